@@ -16,7 +16,6 @@ from aioduco.models.numpy_on_use import np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["ROUNDING", "clipped", "least", "most", "outside", "shown"]
 
 ROUNDING = 2.0**-24
 """Largest relative error of a number that was rounded to binary32."""

@@ -13,7 +13,6 @@ from aioduco.models.rules import Flag, Integer, Integers, Number, Points, Vector
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-__all__ = ["ExternalAxis", "ExternalAxisScheme", "ExternalAxisState"]
 
 _SOURCE = "EAxisParam and EAxisSchemeParam on the wire"
 _WHOLE = Integer(-(2**31), 2**31 - 1, source=_SOURCE)

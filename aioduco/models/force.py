@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from aioduco.models.named_int import NamedInt
 
-__all__ = ["ForceFrame", "ForceLogic", "GuardedForce"]
-
 
 class ForceFrame(NamedInt):
     """Frame of the directions of forces (末端力控参考坐标系, manual 1.3.10)."""

@@ -14,8 +14,6 @@ from typing import Final
 from aioduco.errors import ProtocolError
 from aioduco.models.pose import Pose
 
-__all__ = ["FORCE_PORT", "FORCE_REQUEST", "ForceSample"]
-
 FORCE_PORT: Final = 2011
 #: the datagram that asks for the stream
 FORCE_REQUEST: Final = b"start_force_stream"

@@ -6,8 +6,6 @@ from typing import NamedTuple
 
 from aioduco.models.words import one_of
 
-__all__ = ["GRIPPERS", "GripperModel", "gripper_model"]
-
 
 class GripperModel(NamedTuple):
     """Published data of a gripper.

@@ -10,8 +10,6 @@ from aioduco.models.pose import Pose
 if TYPE_CHECKING:
     from aioduco.models.pose import PoseLike
 
-__all__ = ["Load"]
-
 
 class Load(NamedTuple):
     """Mass and centre of mass of a load (负载质量, 质心). A sequence of four numbers.

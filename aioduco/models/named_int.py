@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from enum import IntEnum
 
-__all__ = ["NamedInt"]
-
 #: presentations of numbers in a format specification
 _OF_NUMBERS = tuple("bcdoxXneEfFgG%")
 

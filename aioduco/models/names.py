@@ -13,8 +13,6 @@ from typing import TYPE_CHECKING, Any, Final
 from aioduco.errors import NamedElsewhere
 from aioduco.models.places import PLACES
 
-__all__ = ["BY_ITSELF", "CLIENT_SIDE", "SPELLINGS", "ManualNames", "place"]
-
 #: name in the manual or in the vendor's class, if different from the wire -> name on the wire
 SPELLINGS: Final = {
     "move1": "movel",

@@ -14,7 +14,6 @@ from aioduco.models.toml_files import read_toml, rewrite
 if TYPE_CHECKING:
     import os
 
-__all__ = ["Point", "TaughtPoints", "key_text", "point_of"]
 
 #: joint angles [rad], or a pose of the tool [m, rad]
 Point: TypeAlias = Joints | Pose

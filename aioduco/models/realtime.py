@@ -13,7 +13,6 @@ from aioduco.models.rules import Choice, JointsRule, Number, PoseRule, Vector
 if TYPE_CHECKING:
     from aioduco.models.rules import VectorLike
 
-__all__ = ["RealtimeMode", "RealtimePoint"]
 
 _SOURCE = "1.3.15"
 _JOINTS = JointsRule(source=_SOURCE)

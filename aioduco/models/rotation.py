@@ -17,18 +17,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = [
-    "Array",
-    "matrix_from_quaternion",
-    "matrix_from_rotvec",
-    "matrix_from_rpy",
-    "quaternion_from_matrix",
-    "rotvec_from_matrix",
-    "rpy_from_matrix",
-    "slerp",
-    "transform",
-    "turn_between",
-]
 
 Array: TypeAlias = "NDArray[np.float64]"
 

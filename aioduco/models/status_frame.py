@@ -16,8 +16,6 @@ from typing import Any, Final
 
 from aioduco.errors import ProtocolError
 
-__all__ = ["FRAME_SIZE", "PORT", "RATE", "StatusFrame"]
-
 PORT: Final = 2001
 #: approximate number of frames per second
 RATE: Final = 10.0

@@ -8,8 +8,6 @@ import re
 from pathlib import Path
 from typing import Any, Final
 
-__all__ = ["parse_toml", "read_text", "read_toml", "rewrite"]
-
 _TEXT: Final = r"""(?:"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
 _PART: Final = rf"(?:[\w-]++|{_TEXT})"
 #: keys of so many parts that they cost time: the square of their number; texts and comments are

@@ -13,7 +13,6 @@ from aioduco.models.toml_files import parse_toml
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["Statement", "TomlPath", "key_end", "line_of", "statements"]
 
 #: keys from the top to a field, with the number of a table in an array of tables, from 0:
 #: ("robots", "left", "host"), ("limit", 0, "kind")

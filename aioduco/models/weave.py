@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from aioduco.models.named_int import NamedInt
 
-__all__ = ["WeavePlane", "WeaveShape"]
-
 
 class WeaveShape(NamedInt):
     """Shape of a weave (复合运动轨迹几何类型, manual 1.3.13).

@@ -10,7 +10,6 @@ from aioduco.models.similar import did_you_mean
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["one_of"]
 
 #: words of which all are listed as a person would say them
 _MANY = 7

@@ -12,7 +12,6 @@ if TYPE_CHECKING:
 
     Points = NDArray[np.float64]
 
-__all__ = ["BandMatrix"]
 
 #: whose type hints leave out what factorizes bands
 _LIBRARY: Any = mujoco

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-__all__ = ["FURTHEST", "TOUCHING", "Clearance"]
-
 FURTHEST = 0.1
 """Distances beyond this are not told apart [m]."""
 TOUCHING = 1e-6

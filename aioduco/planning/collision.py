@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 else:
     import mujoco
 
-__all__ = ["CollisionChecker", "specification"]
 
 _PREFIXES = ("scene/", "tool/")
 _THING, _ARM, _FLOOR = 1, 2, 4  # bits of what may touch

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
     Points = NDArray[np.float64]
 
-__all__ = ["is_free", "joint_curve", "rounded"]
 
 _DEGREE = 3
 _WIDEST = 0.3  # longest spans, where nothing is near [m of the arm's furthest point, about]

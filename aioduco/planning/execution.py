@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     )
     from aioduco.streaming.shared.options import WorkerOptions
 
-__all__ = ["MotionSection", "ReadJoints", "execute"]
 
 _NEAR = 0.01  # largest distance of a joint from the start of the plan [rad]
 _REPLANS = 5  # at most, in one execution

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
     from aioduco.kinematics import Arm
 
-__all__ = ["MotionLimits"]
 
 _JERKS = Number(0.0, unit="rad/s³", open_low=True, source="this package")
 _JERK = 10.0  # jerk over acceleration, as for streams [1/s]

@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
     Points = NDArray[np.float64]
 
-__all__ = ["Plan", "PlanCheck"]
 
 _TURN, _MOVE = np.deg2rad(0.2), 0.001  # between two samples of a check [rad, m]
 _FINEST = 0.002  # between times at which the motion between two samples is measured [s]

@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 
     PerJoint = float | Sequence[float]
 
-__all__ = ["Planner"]
 
 _SEED = Integer(1, 2**31 - 1, source="this package")
 _SPEED = Number(1e-4, unit="m/s", source="this package")

@@ -22,15 +22,6 @@ if TYPE_CHECKING:
 
     Points = NDArray[np.float64]
 
-__all__ = [
-    "Goal",
-    "GoalLike",
-    "PlanningProblem",
-    "Region",
-    "Solution",
-    "WorkerScene",
-    "goals_of",
-]
 
 _SIZES = Vector(Number(0.0, unit="m or rad", source="this package"), length=3)
 

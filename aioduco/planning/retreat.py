@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
     Points = NDArray[np.float64]
 
-__all__ = ["retreat"]
 
 _FURTHEST = 0.15  # length of a way out, at most [m]
 _SHARE = 0.5  # of the distance at the end that may be left on the way out

@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from aioduco.sim.simulator import Simulator
     from aioduco.sim.view.camera import Camera
 
-__all__ = ["Scene", "require_scene"]
 
 _PADDING = Number(0.0005, 0.1, "m", source="this package")
 

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 else:
     from ompl import base, geometric, util
 
-__all__ = ["STEP", "search", "seed"]
 
 STEP = 0.03
 """Between two looks at a way, at first [m of the arm's furthest point, about]."""

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ["Ground", "Mesh", "PointCloud"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ground(Thing):

@@ -40,7 +40,6 @@ if TYPE_CHECKING:
 
     Points = NDArray[np.float64]
 
-__all__ = ["solve"]
 
 #: growth of the distance that is kept, on the way from an end that is closer: at first, and where
 #: no path was found, as in a narrow hole

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
     Points = NDArray[np.float64]
 
-__all__ = ["JointPathSpace", "PathSpace", "UprightPathSpace"]
 
 _UPRIGHT = 0.02  # largest tilt of the tool at a goal, against the start [rad]
 

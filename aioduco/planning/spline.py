@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 
     Points = NDArray[np.float64]
 
-__all__ = ["BSpline"]
-
 
 class BSpline:
     """A curve of numbers or points over a length.

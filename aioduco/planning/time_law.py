@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
     Points = NDArray[np.float64]
 
-__all__ = ["PaceSpline", "PathNodes", "faster"]
 
 _STEPS = 40  # of Newton's method, at most
 _SOFT, _HARD = 0.025, 2.5e-3  # weight of the barriers of all nodes, at first and at last

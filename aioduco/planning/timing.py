@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
     Points = NDArray[np.float64]
 
-__all__ = ["TimedPath", "timed"]
 
 _GRID = 0.02  # between two nodes of the first law [rad of the joint that moves most]
 _LEAST = 40

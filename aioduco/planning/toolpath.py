@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
     Points = NDArray[np.float64]
 
-__all__ = ["ToolPath", "followed", "poses_along"]
 
 _STEP, _TURN = 0.004, 0.02  # between two poses [m, rad]
 _LEVER = 0.2  # length that a turn counts as, for a tool that turns more than it moves [m/rad]

@@ -18,8 +18,6 @@ from aioduco.planning.problem import PlanningProblem, WorkerScene
 from aioduco.planning.search import seed
 from aioduco.planning.solver import solve
 
-__all__ = ["main", "serve"]
-
 
 def serve(channel: ValueChannel) -> None:
     """Answer problems until the channel closes."""

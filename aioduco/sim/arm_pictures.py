@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from aioduco.sim.assembly import SimulatorAssembly
     from aioduco.sim.view.viewer import Viewer
 
-__all__ = ["ArmPictures"]
-
 
 class ArmPictures:
     """Draws the arm, without a display or in a window."""

@@ -46,7 +46,6 @@ if TYPE_CHECKING:
     from aioduco.sim.physics.gripper import Hand
     from aioduco.sim.profile import ArmProfile
 
-__all__ = ["SimulatorAssembly", "SimulatorSettings"]
 
 _HANDLERS: dict[Generation, type[Handlers]] = {"3.8": Handlers, "4.3": NewerHandlers}
 

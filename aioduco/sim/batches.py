@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
     from aioduco.sim.clock import CycleSchedule
 
-__all__ = ["Batches"]
 
 #: while there are no requests: largest number of cycles in one batch, and longest real time between
 #: two batches [s]

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
 
     from aioduco.sim.simulator import Simulator
 
-__all__ = ["COMMANDS", "Console"]
-
 
 class _Command(NamedTuple):
     usage: str

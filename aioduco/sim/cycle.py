@@ -16,9 +16,6 @@ if TYPE_CHECKING:
     from aioduco.sim.planner.path import JointSetPoint
 
 
-__all__ = ["DriveCommand", "GripperReading", "Plant", "PlantReading", "SensedState"]
-
-
 def untouched() -> str:
     """Say that the arm touches nothing."""
     return ""

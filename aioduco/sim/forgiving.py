@@ -12,8 +12,6 @@ from collections import Counter
 
 from aioduco.sim.refusal import mismatch
 
-__all__ = ["Forgiving"]
-
 _log = logging.getLogger(__name__)
 
 

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
     from aioduco.sim.assembly import SimulatorAssembly
 
-__all__ = ["OperatorActions"]
 
 _JOINT = Integer(1, 6, source="this package")
 # far beyond what an arm bears, and still safe to compute with

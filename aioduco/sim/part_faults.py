@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from aioduco.sim.physics.gripper import Hand
     from aioduco.sim.physics.parts import PartPlace
 
-__all__ = ["PartFaults"]
 
 _FAR = 1000.0  # distance of a removed part [m]
 _SHARE = Number(0.0, 1.0, source="this package")

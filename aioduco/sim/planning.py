@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from aioduco.sim.controller.state_machine import Controller
     from aioduco.sim.planner.mover import Drafted
 
-__all__ = ["PlanningThreads"]
 
 #: real time for which planning sleeps, so that other threads get the interpreter's lock at once;
 #: otherwise they would wait until the interpreter takes it from the planning thread [s]

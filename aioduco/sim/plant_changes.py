@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 
     from aioduco.sim.cycle import Plant
 
-__all__ = ["PlantChanges"]
-
 
 class PlantChanges:
     """Holds what is to change in the physics until the simulation's thread makes the changes.

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
     from aioduco.kinematics import Arm
 
-__all__ = ["GEOMETRY", "RANGES", "ArmProfile", "Estimate"]
 
 #: how far a length and an offset [m] or an angle [rad] of one arm may be from its model's
 LENGTH_BOUND: Final = 0.01

@@ -19,9 +19,6 @@ if TYPE_CHECKING:
     from aioduco.sim.planner.path import JointSetPoint
 
 
-__all__ = ["SimulationSnapshot"]
-
-
 class SimulationSnapshot(NamedTuple):
     """Arm and controller after one cycle. It never changes.
 

@@ -16,7 +16,6 @@ from aioduco.sim.simulator import Simulator
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-__all__ = ["SWITCH_INTERVAL", "main", "serve"]
 
 #: how long one thread of a simulator's own process may keep another from running [s]
 SWITCH_INTERVAL = 0.0005

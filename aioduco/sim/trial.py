@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from aioduco.sim.controller.motion_queue import Plan
     from aioduco.sim.scene import MountingLike, SceneLike
 
-__all__ = ["ControllerTrial", "current", "waiting"]
-
 
 class ControllerTrial(ABC):
     """What simulated controllers ask or tell in the process of a trial."""

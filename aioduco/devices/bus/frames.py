@@ -17,7 +17,6 @@ from aioduco.errors import ModbusGarbled, ModbusRefused
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["FunctionCode", "Request", "crc16", "framed", "read", "write", "write_one"]
 
 #: unit, function, exception's code, checksum
 _SHORTEST = 5

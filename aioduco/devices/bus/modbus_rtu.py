@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from aioduco.devices.bus.frames import Request
     from aioduco.models.rules import Whole, WholesLike
 
-__all__ = ["ModbusRtu", "Port"]
 
 _SOURCE = "Modbus application protocol 1.1b3"
 _UNIT = Integer(1, 247, source="Modbus over serial line 1.02")

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
     Matrix = NDArray[np.float64]
 
-__all__ = ["BoardSize", "find_board"]
 
 _SQUARE = Number(0.0, unit="m", open_low=True, plausible=LONGEST_ARM, source="this package")
 _LEAST_CORNERS = 3  # inner corners along a side that OpenCV looks for, at least

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ["CameraDevice", "CameraFrame", "Intrinsics"]
 
 _COEFFICIENTS = (0, 4, 5, 8, 12, 14)  # numbers of coefficients that OpenCV's lens models have
 

@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
     Matrix = NDArray[np.float64]
 
-__all__ = ["HandEye", "calibrate_hand_eye"]
 
 _MIN_VIEWS = 4  # number of views: three determine the pose, and the fourth verifies it
 _MIN_ROTATION = 0.05  # minimum rotation between views, about two axes [rad]

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from aioduco.devices.cameras.camera import Intrinsics
     from aioduco.models.controller_clock import Clock
 
-__all__ = ["OpenCvCamera"]
-
 
 class OpenCvCamera(Uncopied):
     """A camera that OpenCV opens.

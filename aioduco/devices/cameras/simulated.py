@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
     from aioduco.sim.simulator import Simulator
 
-__all__ = ["SimulatedCamera"]
 
 _WIDTH = Integer(1, 1920, "pixels", source="this package")
 _HEIGHT = Integer(1, 1080, "pixels", source="this package")

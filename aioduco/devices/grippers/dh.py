@@ -13,7 +13,6 @@ from aioduco.errors import GripperNotActivated, ModbusGarbled
 if TYPE_CHECKING:
     from aioduco.devices.grippers.dh_registers import DhState
 
-__all__ = ["DhGripper"]
 
 #: seconds after which a state belongs to this motion, even if the gripper was not seen moving
 _SETTLED = 0.3

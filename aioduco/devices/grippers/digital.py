@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from aioduco.models.state import IOStatus
     from aioduco.robot import Robot
 
-__all__ = ["DigitalGripper", "OutputGripper"]
 
 _TOOL = "tool"
 

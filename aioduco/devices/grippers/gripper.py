@@ -41,7 +41,6 @@ if TYPE_CHECKING:
 
     from aioduco.models.gripper_models import GripperModel
 
-__all__ = ["GripperState", "PolledGripper"]
 
 _log = BackgroundLogger(__name__)
 

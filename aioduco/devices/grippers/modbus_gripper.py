@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
     from aioduco.robot import Robot
 
-__all__ = ["ModbusGripper"]
-
 
 class ModbusGripper(PolledGripper):
     """A gripper that is a device on Modbus RTU; a base class for drivers.

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from aioduco.devices.grippers.robotiq_registers import RobotiqStatus
     from aioduco.models.gripper_models import GripperModel
 
-__all__ = ["Robotiq"]
 
 #: positions of the register with the fingers open and closed
 _COUNTS = Integers(Integer(0, 0xFF, source="gPO"), length=2, source="gPO")

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from aioduco.models.gripper_models import GripperModel
     from aioduco.robot import Robot
 
-__all__ = ["VacuumGripper"]
-
 
 class VacuumGripper(OutputGripper):
     """A suction cup. `close` switches the suction on, `open` releases the part; it has no width.

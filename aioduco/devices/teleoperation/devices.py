@@ -21,7 +21,6 @@ from aioduco.errors import ParameterError
 if TYPE_CHECKING:
     from aioduco.devices.teleoperation.reading import Reading
 
-__all__ = ["GamepadDevice", "InputDevice", "KeyboardDevice", "SpaceMouseDevice", "open_device"]
 
 _MAKERS = {0x046D: "Logitech", 0x256F: "3Dconnexion"}  # SpaceMice have been sold by both
 _MOST = 4096

@@ -16,8 +16,6 @@ from typing import Final
 
 from aioduco.devices.teleoperation.reading import STANDING, WIDTH, Axes, Reading, deadband
 
-__all__ = ["EVENT", "Gamepad"]
-
 EVENT: Final = struct.Struct("=IhBB")
 _BUTTON, _AXIS, _INITIAL = 0x01, 0x02, 0x80
 _FULL: Final = 32767

@@ -16,7 +16,6 @@ from aioduco.models.rules import Number, Vector
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["JointTarget"]
 
 _MOVED = 1.5  # multiple of the lead from which on the arm was moved by something else
 _Vector = NDArray[np.float64]

@@ -11,8 +11,6 @@ from typing import Final
 
 from aioduco.devices.teleoperation.reading import HELD, STANDING, Axes, Reading
 
-__all__ = ["KEYS", "Keyboard"]
-
 _DIRECTIONS: Final = (("w", "s"), ("a", "d"), ("r", "f"), ("j", "l"), ("i", "k"), ("u", "o"))
 
 #: the axes of each key

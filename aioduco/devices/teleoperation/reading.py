@@ -6,8 +6,6 @@ from typing import NamedTuple, Protocol
 
 from aioduco.models.rules import Number
 
-__all__ = ["HELD", "STANDING", "WIDTH", "Axes", "Reading", "ReadingSource", "deadband"]
-
 #: times without a sign of the device for which it counts as held
 HELD = Number(0.0, 60.0, "s", open_low=True, source="this package")
 #: share of a deflection within which it counts as at rest

@@ -11,8 +11,6 @@ from aioduco.models import ranges
 if TYPE_CHECKING:
     from aioduco.devices.teleoperation.reading import Reading
 
-__all__ = ["TeleopScale"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TeleopScale:

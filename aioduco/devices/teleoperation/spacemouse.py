@@ -17,8 +17,6 @@ from typing import Final
 
 from aioduco.devices.teleoperation.reading import HELD, STANDING, WIDTH, Axes, Reading, deadband
 
-__all__ = ["SpaceMouse"]
-
 _FULL: Final = 350.0
 _THREE: Final = struct.Struct("<3h")
 _TRANSLATION, _ROTATION, _BUTTONS = 1, 2, 3

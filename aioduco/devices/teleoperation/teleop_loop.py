@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from aioduco.streaming.shared.options import WorkerOptions
     from aioduco.streaming.shared.turning import MotionFrame
 
-__all__ = ["TeleopReport", "teleoperate"]
 
 _RATE = 50.0
 _DEAD_MAN = 0.2  # s without a call after which the controller ends the motion by itself

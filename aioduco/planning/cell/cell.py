@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from aioduco.robot import Robot
     from aioduco.sim.simulator import Simulator
 
-__all__ = ["Cell"]
 
 #: sections of the file besides those of waypoints
 _OWN: Final = ("robots", "tool", "gripper", "frames", "points", "scene", "limit")

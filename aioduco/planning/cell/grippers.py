@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from aioduco.devices.grippers import PolledGripper
     from aioduco.robot import Robot
 
-__all__ = ["CellGripper", "gripper"]
 
 #: arguments of drivers that the cell gives itself
 _OWN = ("self", "robot", "model")

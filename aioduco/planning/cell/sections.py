@@ -42,20 +42,6 @@ if TYPE_CHECKING:
     from aioduco.envelope import EnvelopeLimit
     from aioduco.models.toml_lines import TomlPath
 
-__all__ = [
-    "CellPoint",
-    "CellRobot",
-    "CellScene",
-    "CellTool",
-    "WrongField",
-    "frames",
-    "limits",
-    "model",
-    "points",
-    "robots",
-    "scene",
-    "tool",
-]
 
 _KINDS: Final[dict[str, type[Thing]]] = {
     "box": Box,

@@ -19,7 +19,6 @@ from aioduco.sim.refusal import Rejected, illegal, mismatch
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-__all__ = ["Axis", "Scheme", "SchemeState", "SimulatedExternalAxes"]
 
 #: most axes of a scheme: positions on the wire have three numbers
 _MOST = 3

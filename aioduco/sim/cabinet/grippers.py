@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from aioduco.sim.cabinet.signals import Signals
     from aioduco.sim.cycle import GripperReading
 
-__all__ = ["DhSlave", "Fingers", "RobotiqSlave", "ValveGripper", "slave_of"]
-
 
 class Fingers(Protocol):
     """The fingers as their electronics drive them; usable from any thread."""

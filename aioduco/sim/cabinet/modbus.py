@@ -7,17 +7,6 @@ from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import TypeVar
 
-__all__ = [
-    "ModbusKind",
-    "ModbusSignal",
-    "ModbusSignals",
-    "ModbusSlave",
-    "NoAnswer",
-    "RtuSlave",
-    "ScriptedGripper",
-    "crc16",
-]
-
 T = TypeVar("T")
 
 _BROADCAST = 0

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Protocol
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["CanPeer", "CanPort", "SerialPeer", "SerialPort"]
 
 _BUFFER = 4096  # bytes, or frames, that wait to be read; if more come, the oldest are lost
 _LAST_CAN_ID = 0x1FFFFFFF

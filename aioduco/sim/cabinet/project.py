@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
     from aioduco.sim.cabinet.script import Script
 
-__all__ = ["CAPACITY", "NoSuchFolder", "Project", "RecordedTrack"]
-
 
 #: most points of a track, in either mode; the manual gives no number
 CAPACITY = 1000

@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 
-__all__ = ["LEVEL", "Bank", "Outputs", "Pulses", "Signals"]
-
 T = TypeVar("T")
 _SHORTEST = 1e-3  # shorter pulses switch the output off [s]
 

@@ -14,7 +14,6 @@ if TYPE_CHECKING:
 
     from aioduco.models.rotation import Array
 
-__all__ = ["DEFAULT", "MAX_NAME", "NO_LOAD", "Frame", "FrameTable"]
 
 DEFAULT = "default"
 MAX_NAME = 32

@@ -12,7 +12,6 @@ if TYPE_CHECKING:
 
     Value = bool | float | str | Sequence[float] | Sequence[Sequence[float]]
 
-__all__ = ["SystemValues", "UndefinedValue"]
 
 T = TypeVar("T")
 _Stored = bool | float | str | list[float] | list[list[float]]

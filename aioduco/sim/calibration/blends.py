@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
     from aioduco.sim.calibration.evidence import Corner, Evidence
 
-__all__ = ["estimate_blends"]
 
 #: corners that are needed, and the largest of their radii as a multiple of the smallest
 _CORNERS: Final = 4

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from aioduco.sim.calibration.evidence import Evidence
     from aioduco.sim.calibration.findings import Findings
 
-__all__ = ["Calibration", "calibrate", "profile_of"]
 
 _HELP: Final = "record the arm by `aioduco check HOST --motions run.mcap`"
 

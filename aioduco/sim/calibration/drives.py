@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
     from aioduco.sim.calibration.evidence import Motions
 
-__all__ = ["estimate_drives", "estimate_noise"]
 
 #: steps of recorded joints [rad] and speeds [rad/s]: `recording.channels.ANGLE` and `SPEED`
 ANGLE_STEP: Final = 2.0**-17

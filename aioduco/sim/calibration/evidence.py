@@ -25,16 +25,6 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
     from aioduco.recording.run import RecordedRun
 
-__all__ = [
-    "Corner",
-    "Evidence",
-    "Motions",
-    "Poses",
-    "Reads",
-    "StateRead",
-    "TimedCall",
-    "read_evidence",
-]
 
 #: joints read before and after a pose may differ by this, else the arm moved [rad]
 _SAME: Final = 2e-4

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from typing import Self
 
-__all__ = ["Findings", "deviations", "mean_of"]
-
 
 def deviations(free: float) -> float:
     """Half width of an interval in standard deviations, by its degrees of freedom."""

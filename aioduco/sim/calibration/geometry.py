@@ -37,7 +37,6 @@ if TYPE_CHECKING:
 
     Flags: TypeAlias = NDArray[np.bool_]
 
-__all__ = ["estimate_geometry"]
 
 #: half widths of intervals beyond which a parameter counts as not shown [m], [rad]
 LENGTH: Final = 1e-4

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
     from aioduco.sim.calibration.evidence import Evidence, TimedCall
 
-__all__ = ["estimate_slack"]
 
 #: longest slack that is looked for [s]
 _LONGEST: Final = 10.0

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
     from aioduco.sim.calibration.evidence import Evidence, Reads, StateRead, TimedCall
 
-__all__ = ["estimate_period", "estimate_times", "single_precision"]
 
 #: state at the end of each change
 _ENDS: Final = {

@@ -33,7 +33,6 @@ if TYPE_CHECKING:
 
     Flags: TypeAlias = NDArray[np.bool_]
 
-__all__ = ["estimate_friction", "estimate_load", "fit_by_motion", "link_torques"]
 
 #: speed below which a joint rests, and above which it turns [rad/s]
 _REST: Final = 3e-3

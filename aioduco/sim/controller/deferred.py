@@ -11,8 +11,6 @@ if TYPE_CHECKING:
     from aioduco.sim.controller.motion_queue import Following
     from aioduco.sim.controller.tasks import TaskTable
 
-__all__ = ["DeferredMotion", "DeferredMotions"]
-
 
 class DeferredMotion(NamedTuple):
     """A motion that waits.

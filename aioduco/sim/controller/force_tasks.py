@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from aioduco.sim.force.sensor import ForceSensor
     from aioduco.sim.planner.path import JointSetPoint
 
-__all__ = ["FC_MOVE", "ForceTasks"]
 
 #: the motion without a path of its own, which ends successfully when its conditions hold
 FC_MOVE = "fc_move"

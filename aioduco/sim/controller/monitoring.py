@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from aioduco.sim.cycle import SensedState
 
 
-__all__ = ["LEVELS", "CollisionDetector", "Standstill"]
-
 #: joint speed above which an arm counts as moving [rad/s]
 _SPEED = 2e-3
 #: joint speed above which an arm does more than swing at the end of a motion [rad/s]

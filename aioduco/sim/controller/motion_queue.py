@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     #: makes the segment of one motion, given the joints [rad] from which it starts
     Plan = Callable[[Array], Segment]
 
-__all__ = ["Following", "Planning"]
 
 _IDLE = MotionPhase.IDLE  # looked up once, to save time in the cycle
 #: largest number of motions in the queue; the manual gives none

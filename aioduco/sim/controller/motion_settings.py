@@ -9,9 +9,6 @@ if TYPE_CHECKING:
     from aioduco.sim.planner.weaving import Weave
 
 
-__all__ = ["OptimizationSwitches", "WeaveSelection"]
-
-
 @dataclass(frozen=True, slots=True)
 class OptimizationSwitches:
     """The switches of the optimization.

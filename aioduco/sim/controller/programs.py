@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from aioduco.sim.controller.tasks import TaskTable
 
 
-__all__ = ["ProgramExecution", "ProgramRun", "RunningProgram"]
-
 # Looked up once, to save time in the cycle.
 _IDLE, _RUNNING = MotionPhase.IDLE, MotionPhase.RUNNING
 #: state of a running program, by whether the mode is manual

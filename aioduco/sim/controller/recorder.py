@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from aioduco.sim.cabinet.project import RecordedTrack
 
 
-__all__ = ["BY_POSITION", "BY_TIME", "Recorder"]
-
 BY_POSITION, BY_TIME = 0, 1
 
 

@@ -15,9 +15,6 @@ if TYPE_CHECKING:
     from aioduco.sim.controller.programs import ProgramExecution
 
 
-__all__ = ["Admission", "SafetyController"]
-
-
 class SafetyController:
     """Safety stops and the emergency stop.
 

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from aioduco.sim.cabinet.grippers import ValveGripper
     from aioduco.sim.cabinet.signals import Bank, Outputs, Signals
 
-__all__ = ["SignalRule", "SignalRules", "place"]
 
 _TOOL = "tool"
 

@@ -54,8 +54,6 @@ if TYPE_CHECKING:
     from aioduco.sim.planner.path import PlanError
 
 
-__all__ = ["DEVIATION", "Controller", "ControllerState"]
-
 #: distance of a joint from its set-point that trips the position deviation stop [rad]
 DEVIATION = 0.2
 _ERRORS = 20  # number of the latest messages in the error list

@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from aioduco.sim.planner.path import JointSetPoint
 
 
-__all__ = ["MotionTriggers", "PathTrigger", "Triggers", "motion_triggers", "point_trigger"]
-
 _TIME, _DISTANCE = 1, 2
 #: fields of each of the three triggers of an Op; their names end with the trigger's number
 _FIELDS = ("time_or_dist", "trig_time", "trig_dist", "trig_io", "trig_value", "trig_event")

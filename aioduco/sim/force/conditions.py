@@ -11,7 +11,6 @@ from aioduco.models.force import ForceLogic
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-__all__ = ["Condition", "Conditions", "Quantity", "Verdict"]
 
 #: in the order of fc_wait_logic
 Quantity: TypeAlias = Literal["pos", "vel", "ft"]

@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from aioduco.sim.force.conditions import Quantity
     from aioduco.sim.planner.path import JointSetPoint
 
-__all__ = ["AdmittanceLaw", "ForceControl", "ForceGuard", "ForceOutcome", "Verdict"]
 
 #: time constant with which the arm reaches the speed that a force demands [s]; an assumption
 _LAG = 0.01

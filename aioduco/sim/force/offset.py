@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from aioduco.kinematics.single import Rows
     from aioduco.models.rotation import Array
 
-__all__ = ["FlangeOffset", "OutOfReach"]
 
 _FASTER = 1.02  # share of a joint's largest speed that a set-point may have, for rounding
 _BRAKING = 0.5  # share of the drives' acceleration that slowing down uses

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
 
 
-__all__ = ["DOWN", "ForceAxes", "ForceSensor", "SensorNoise"]
-
 DOWN = (0.0, 0.0, -GRAVITY)
 """Gravity along the axes of a base that stands on the floor [m/s²]."""
 

@@ -23,16 +23,6 @@ if TYPE_CHECKING:
     from aioduco.sim.runtime import SimulationRuntime
 
 
-__all__ = [
-    "ZERO_OUT_OF_RANGE",
-    "HandlerContext",
-    "HandlerSection",
-    "QueueFull",
-    "arguments_of",
-    "as_on_the_wire",
-    "task",
-]
-
 T = TypeVar("T")
 #: functions of 1.3.7, whose first note says that they return 0 for an argument out of its range;
 #: the last two are on the wire, not in the manual, and are assumed to do the same

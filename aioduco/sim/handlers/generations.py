@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from aioduco.sim.planner.servo_follower import ServoTuning
 
 
-__all__ = ["NewerHandlers", "OlderHandlers"]
-
 _TOOL_SPEED = (1e-5, 5.0, "m/s")
 _TOOL_ACCELERATION = (1e-5, math.inf, "m/s²")
 #: functions whose v and a are the tool's in manual 4.3

@@ -10,7 +10,6 @@ if TYPE_CHECKING:
     from aioduco._wire.rpc import Op
     from aioduco.models.rotation import Array
 
-__all__ = ["MotionCall"]
 
 #: names that functions with external axes have for the same arguments
 _SAME: Final = {"rad": "r", "qnear": "q_near"}

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 
     from aioduco.sim.handlers import Handlers
 
-__all__ = ["READINGS", "in_single_precision"]
 
 #: functions that return readings of the arm: measured, commanded, or computed from these
 READINGS = (

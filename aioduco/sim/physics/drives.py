@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
     from aioduco.models.rotation import Array
 
-__all__ = ["TrailingDrives"]
-
 
 class TrailingDrives:
     """Turns set-points into those that the joints reach, cycle by cycle.

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 else:
     import mujoco
 
-__all__ = ["NOTHING", "InverseDynamics", "mount"]
 
 NOTHING = 1e-6
 """Mass that stands for none [kg]."""

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
     from aioduco.models.gripper_models import GripperModel
 
-__all__ = ["FingerControl", "GripperOrder", "Hand", "gripper_mjcf"]
 
 #: friction between finger tips, or cup, and a thing that they hold; an assumption, as of rubber
 FRICTION = 0.8

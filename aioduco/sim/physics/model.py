@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 else:
     import mujoco
 
-__all__ = ["SERVOS", "assemble", "compiled", "compose", "dressed", "mjcf", "part"]
 
 SERVOS = 5
 """Group of the servos, which lose their power together; a scene's drives are in others."""

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 else:
     import mujoco
 
-__all__ = ["MOST_STUCK", "PartPlace", "Parts", "add_welds", "pose_of"]
 
 MOST_STUCK = 12
 """Largest number of loose things of which any two can be stuck together."""

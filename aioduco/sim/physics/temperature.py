@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
 
 
-__all__ = ["AMBIENT", "Temperatures"]
-
 #: temperature of the room [°C]
 AMBIENT = 25.0
 #: rise of a joint's and its board's temperature at the joint's largest torque [°C]

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 else:
     import mujoco
 
-__all__ = ["World", "camera_of"]
 
 _BRAKE = 0.5  # torque of a brake as a share of its drive's; an assumption
 _CREEP = 5e-3  # joint speed from which dry friction has its full size [rad/s]

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     from aioduco.models.rotation import Array
 
-__all__ = ["joined", "numbers", "shifted"]
-
 
 def numbers(values: Array) -> array[float]:
     """Give the numbers of a NumPy array. Shape (n,)."""

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
     from aioduco.sim.planner.timing import PathLimits
 
-__all__ = ["ExternalAxesMove", "blended"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ExternalAxesMove:

@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from aioduco.sim.planner.timing import PathLimits
 
 
-__all__ = ["Blend", "CornerLaw", "Corners", "Entry", "alone", "blend", "joined", "keeps"]
-
 _PIECES = 24
 _LEAST = 1e-6  # radius below which there is no blend [m]
 _SEARCH = 129  # samples of the search for the blend radius

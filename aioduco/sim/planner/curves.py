@@ -29,17 +29,6 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
 
 
-__all__ = [
-    "Arc",
-    "ByLength",
-    "Curve",
-    "Orientation",
-    "StraightLine",
-    "arc_through",
-    "spiral",
-    "spline",
-]
-
 POINT = 1e-6  # positions closer than this are the same point [m]
 ANGLE = 1e-6  # a smaller turn is none: its direction is a difference of rounding [rad]
 _TABLE = 2000  # number of steps in which a curve's length is measured

@@ -28,15 +28,6 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
 
 
-__all__ = [
-    "MAX_JUMP",
-    "Failure",
-    "FollowError",
-    "FollowerChain",
-    "StandingFollower",
-    "TargetFollower",
-]
-
 MAX_JUMP = 0.1
 """Largest change of a joint in one cycle that is still on the same branch [rad]."""
 

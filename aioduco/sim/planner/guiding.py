@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     #: for joints [rad], the matrix that gives the yielding part of a joint motion. Shape (6, 6)
     Giving = Callable[[Array], Array]
 
-__all__ = ["HandGuidingFollower", "cartesian_giving", "joint_giving"]
 
 _GIVING = 0.8  # share of a joint's speed that the drives do not resist; an assumption
 _STICKING = 0.01  # the joints are held when all are slower than this [rad/s]

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
 
-__all__ = ["SHARE", "STOPPING", "axes_limits", "joint_limits", "tool_limits"]
 
 SHARE = 0.5
 """Share of a joint's acceleration that the bends of a path may take."""

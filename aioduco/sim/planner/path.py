@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
 
 
-__all__ = ["JointSetPoint", "Path", "PlanCode", "PlanError", "differentiate"]
-
 _STENCIL = 7  # samples per derivative: sixth order for the first, fifth for the second
 PlanCode: TypeAlias = Literal["unreachable", "singular", "limits", "parameter"]
 

@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
 
-__all__ = ["Follow", "RealtimeCommand", "RealtimeFollower", "RealtimeQueue", "mismatch"]
 
 #: how far the first point may be from the arm
 _NEAR_JOINTS, _NEAR_POINT, _NEAR_ANGLE = 2e-3, 1e-3, 2e-3  # [rad, m, rad]

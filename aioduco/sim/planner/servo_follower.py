@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
     from aioduco.sim.planner.path import JointSetPoint
 
-__all__ = ["ServoFollower", "ServoTuning"]
 
 _SPEED_SMOOTHING = 1e-3  # time constant for a smooth_vel of 1 [s]
 _ACCELERATION_SMOOTHING = 1e-2  # time constant for a smooth_acc of 1 [s]

@@ -16,15 +16,6 @@ from typing import TYPE_CHECKING, TypeVar
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
-__all__ = [
-    "LONG_SLICE",
-    "SLICE",
-    "PlanDropped",
-    "in_turn",
-    "slices",
-    "yield_now",
-    "yielding",
-]
 
 T = TypeVar("T")
 R = TypeVar("R")

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
 
-__all__ = ["PathLimits", "TimeLaw", "allowed", "backward", "fastest"]
-
 _SHORTEST = 1e-9  # least length of a piece, as a share of the whole
 _SAME = 1e-9  # accelerations with a smaller relative difference are the same
 _DONE = object()

@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from aioduco.sim.planner.timing import PathLimits
 
 
-__all__ = ["check_limits", "fit", "follow", "pass_singularities", "passing_limits", "trace"]
-
 SINGULAR = 1e-3
 """Singular value (see `Arm.singularity`) below which a path is refused. An assumption."""
 

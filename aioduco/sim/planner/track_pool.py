@@ -41,8 +41,6 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
 
 
-__all__ = ["CAPACITY", "Fifo", "JointTrack", "ToolTrack", "TrackPool"]
-
 CAPACITY = 1000
 """Largest number of points: of the track pool by manual 1.3.12, of others by assumption."""
 

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
     from aioduco.sim.planner.path import JointSetPoint
 
-__all__ = ["JointVelocity", "ToolVelocity"]
-
 
 _SINGULAR = 2e-3  # singularity measure below which a tool cannot be moved at a velocity
 

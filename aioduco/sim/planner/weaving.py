@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
     from aioduco.sim.planner.curves import Curve
 
-__all__ = ["Weave", "Woven", "offsets"]
 
 _TABLE = 4096  # points of the table of one swing
 _ROUNDED = 2e-4  # length that rounding takes off a corner of the shape, within the widths below [m]

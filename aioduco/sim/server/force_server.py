@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
     from aioduco._wire import rpc
 
-__all__ = ["ForceServer", "force_sample_of"]
 
 #: between two datagrams, by the wall's clock [s]; its real value is not known
 _PERIOD: Final = 0.01

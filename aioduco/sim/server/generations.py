@@ -22,7 +22,6 @@ from aioduco.sim.server import older
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-__all__ = ["GENERATIONS", "Generation", "Served", "Wire", "wire_of"]
 
 Generation: TypeAlias = Literal["first", "oldest", "older", "3.8", "4.3"]
 GENERATIONS: Final[tuple[Generation, ...]] = get_args(Generation)

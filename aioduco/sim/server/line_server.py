@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["LineServer"]
 
 _HOST = "127.0.0.1"
 _LONGEST = 1000  # longest line [bytes]

@@ -17,7 +17,6 @@ from aioduco._wire import rpc
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["ABSENT", "OlderLayout", "layouts"]
 
 #: by function and parameter: the value of an absent parameter, where it is not zero. It is the
 #: behaviour of the clients without the field, or the manual's default

@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["SocketThread"]
-
 
 class SocketThread:
     """Starts the thread, and owns the socket from then on.

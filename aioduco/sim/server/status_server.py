@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
     from aioduco._wire import rpc
 
-__all__ = ["StatusServer", "frame_of"]
 
 _log = logging.getLogger(__name__)
 

@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from aioduco.sim.twin.predictor import Deviation
 
 
-__all__ = ["TwinLimits", "deviations", "learn"]
-
 #: factor of a limit over the largest difference of a good run
 _MARGIN = 1.35
 #: least limits: of a mass [kg], a force [N], a share of friction, a torque as a share of the

@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from aioduco.sim.twin.predictor import Deviation
 
 
-__all__ = ["TwinFigures", "TwinMonitor"]
-
 #: time for which a difference of twice its limit must last [s]
 _HOLD = 0.06
 #: time after the first sign in which the evidence for the cause is gathered [s]

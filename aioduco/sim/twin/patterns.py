@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from aioduco.sim.twin.predictor import Deviation
 
 
-__all__ = ["Friction", "PatternFit", "Patterns"]
-
 #: time over which the weight of a sample fades to 37 % [s]
 _FADING = 0.15
 #: speed below which a joint may stick, so that its friction has any size [rad/s]

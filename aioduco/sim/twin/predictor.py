@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from aioduco.sim.twin.rehearsal import Match
 
 
-__all__ = ["AHEAD", "Deviation", "Predictor"]
-
 #: time by which the rehearsal gets commands before the arm, so that it is never behind [s]
 AHEAD = 0.03
 #: time within which a motion that was commanded has begun, or its command has got lost [s]

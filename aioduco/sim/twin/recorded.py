@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from aioduco.recording.run import RecordedMessage
     from aioduco.sim.twin.data import Divergence, Six
 
-__all__ = ["judge", "learn"]
 
 #: channels with parts of samples
 _PARTS = ("/joint_states", "/joint_setpoints", "/tf", "/state", "/wrench", "/stream_setpoints")

@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from aioduco.sim.twin.data import Six, TwinCommand
 
 
-__all__ = ["CYCLE", "PATHS", "Match", "Rehearsal"]
-
 #: cycle of the rehearsing controller [s]
 CYCLE = 0.004
 #: time for which its set-points are kept, and so the longest delay that is measured [s]

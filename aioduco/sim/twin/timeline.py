@@ -12,7 +12,6 @@ from aioduco.sim.twin.predictor import AHEAD
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["HELD", "Item", "Timeline"]
 
 Item: TypeAlias = TwinSample | TwinCommand
 

@@ -43,7 +43,6 @@ if TYPE_CHECKING:
     from aioduco.models.trace import TraceEvent
     from aioduco.supervision.supervisor import Supervisor
 
-__all__ = ["Twin", "TwinAction", "TwinStatistics"]
 
 _log = BackgroundLogger(__name__)
 

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from aioduco.sim.twin.limits import TwinLimits
     from aioduco.sim.twin.monitor import TwinFigures
 
-__all__ = ["Begin", "TwinUpdate", "main"]
 
 #: interval at which figures are sent when nothing has parted [s of the samples]
 _FIGURES_EVERY = 0.1

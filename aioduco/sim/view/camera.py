@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from aioduco.kinematics import Arm
     from aioduco.models.pose import Pose
 
-__all__ = ["Camera", "PictureMark", "towards"]
 
 _TARGET = Vector(Number(unit="m", source="this package"), length=3)
 

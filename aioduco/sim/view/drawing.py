@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 else:
     import mujoco
 
-__all__ = ["PictureRequest", "advice", "main"]
 
 #: values of MUJOCO_GL with which MuJoCo itself loads no OpenGL
 _NOT_LOADED = frozenset(("disable", "disabled", "off", "false", "0"))

@@ -10,8 +10,6 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
 
 
-__all__ = ["Film", "Frame"]
-
 #: change of a position that can be seen [rad, m]
 _VISIBLE = 1e-3
 

@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 
     Picture = NDArray[np.uint8]
 
-__all__ = ["PictureProcess"]
-
 
 class PictureProcess:
     """Draws pictures of one model in a separate process.

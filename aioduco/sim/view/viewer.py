@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 else:
     import mujoco
 
-__all__ = ["Viewer"]
-
 
 class Viewer(Uncopied):
     """A window that shows given positions; it moves nothing itself.
