@@ -208,18 +208,14 @@ def learn(arm: Arm, good: Sequence[Deviation]) -> TwinLimits:
     floors = {**_FLOOR, "torque": _FLOOR["torque"] * effort}
     # Beside the floor, not above it: a good run shows only a part of what is normal.
     total = {name: limits[name] + floors[name] for name in limits}
-    known = any(each.external is not None for each in moving)
+    found: dict[str, Any] = {
+        name: _six(value) if np.ndim(value) else float(value) for name, value in total.items()
+    }
+    if all(each.external is None for each in moving):
+        found["friction"] = math.inf  # it was not seen
     return TwinLimits(
         arm=arm.name,
-        mass=float(total["mass"]),
-        force=float(total["force"]),
-        friction=float(total["friction"]) if known else math.inf,
-        torque=_six(total["torque"]),
-        tracking=_six(total["tracking"]),
-        position=float(total["position"]),
-        angle=float(total["angle"]),
-        path=float(total["path"]),
-        delay=float(total["delay"]),
+        **found,
         usual_delay=usual,
         dry=_six(friction.dry),
         viscous=_six(friction.viscous),

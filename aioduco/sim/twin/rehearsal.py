@@ -7,10 +7,8 @@ that move an arm the rehearsal is blind until the arm stands again.
 
 from __future__ import annotations
 
-import inspect
 import math
 from contextlib import contextmanager
-from functools import cache
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
@@ -21,7 +19,7 @@ from aioduco.sim.cycle import PlantReading, SensedState
 from aioduco.sim.force.control import ForceControl
 from aioduco.sim.force.sensor import DOWN
 from aioduco.sim.handlers import Handlers
-from aioduco.sim.handlers.base import HandlerContext
+from aioduco.sim.handlers.base import HandlerContext, arguments_of
 from aioduco.sim.planner.mover import Mover
 from aioduco.sim.snapshot import SimulationSnapshot
 
@@ -88,13 +86,6 @@ class Match(NamedTuple):
     joint: int
     delay: float
     moving: bool
-
-
-@cache
-def _block_at(function: str) -> int | None:
-    """Index of the argument `block` of a function, if there is one."""
-    names = list(inspect.signature(getattr(Handlers, function)).parameters)[1:]
-    return names.index("block") if "block" in names else None
 
 
 class Rehearsal:
@@ -228,8 +219,9 @@ class _Run:
 
     def call(self, function: str, arguments: tuple[Any, ...]) -> bool | None:
         """Make a call that does not block; return whether it was accepted, None if it failed."""
-        at = _block_at(function)
-        if at is not None and at < len(arguments):
+        names = arguments_of(function)[: len(arguments)]
+        if "block" in names:
+            at = names.index("block")
             arguments = (*arguments[:at], False, *arguments[at + 1 :])
         before = len(self.controller.view().errors)
         try:
