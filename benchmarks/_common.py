@@ -1,9 +1,8 @@
-"""What the benchmarks share: options, percentiles, the machine, tables, JSON files, processes."""
+"""What the benchmarks share: options, turns, figures, the machine, tables, JSON files."""
 
 from __future__ import annotations
 
 import argparse
-import contextlib
 import datetime
 import importlib
 import importlib.metadata
@@ -15,15 +14,16 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
-    from typing import Self
 
     from numpy.typing import NDArray
+
+T = TypeVar("T")
 
 HERE = Path(__file__).resolve().parent
 RESULTS = HERE / "results"
@@ -39,22 +39,35 @@ def percentile(values: Sequence[float] | NDArray[np.float64], percent: float) ->
     return float(np.percentile(values, percent, method="inverted_cdf"))
 
 
-def spread(seconds: Iterable[float]) -> dict[str, float]:
-    """p50, p99, p99.9 and max in microseconds, of durations in seconds."""
+def spread(seconds: Iterable[float], count: str = "") -> dict[str, float]:
+    """p50, p99, p99.9 and max in microseconds, of durations in seconds.
+
+    Args:
+        seconds: the durations.
+        count: the name under which their number is given; empty for none.
+    """
     values = [float(each) * 1e6 for each in seconds]
     figures = {f"p{percent:g}_us": percentile(values, percent) for percent in PERCENTILES}
-    return {name: round(value, 1) for name, value in (figures | {"max_us": max(values)}).items()}
+    figures["max_us"] = max(values)
+    rounded: dict[str, float] = {name: round(value, 1) for name, value in figures.items()}
+    return rounded | ({count: len(values)} if count else {})
+
+
+def in_turns(rounds: int, alternatives: Mapping[str, T]) -> Iterator[tuple[str, T]]:
+    """Each alternative in each round, so that what else the machine does meets them all alike.
+
+    Each round begins with the next one, so that none is always behind the same other one.
+    """
+    order = list(alternatives.items())
+    for _ in range(rounds):
+        yield from order
+        order.append(order.pop(0))
 
 
 def scheduling() -> str:
     """How this process is scheduled: a busy machine needs `chrt -f 5` for figures of its own."""
     names = {os.SCHED_OTHER: "other", os.SCHED_FIFO: "fifo", os.SCHED_RR: "round robin"}
     return names.get(os.sched_getscheduler(0), "other")
-
-
-def processor_time(pid: int) -> float:
-    """Seconds of processor time that a process has used: the clock of clock_getcpuclockid(3)."""
-    return time.clock_gettime(~pid << 3 | 2)
 
 
 #: the packages whose versions a result has
@@ -153,7 +166,20 @@ def write_results(name: str, results: dict[str, Any]) -> Path:
     return path
 
 
-def show(title: str, rows: Mapping[str, Mapping[str, object]]) -> None:
+def show(title: str, found: Mapping[str, Any]) -> None:
+    """Print figures: each level that has only rows below it is a table."""
+    rows = {name: row for name, row in found.items() if isinstance(row, dict)}
+    for name, value in found.items():
+        if name not in rows:
+            print(f"{title}, {name}: {_cell(value)}")
+    if any(isinstance(value, dict) for row in rows.values() for value in row.values()):
+        for name, row in rows.items():
+            show(f"{title}, {name}", row)
+    elif rows:
+        _table(title, rows)
+
+
+def _table(title: str, rows: Mapping[str, Mapping[str, object]]) -> None:
     """Print a table: a row for each name, a column for each key."""
     columns = list(dict.fromkeys(key for row in rows.values() for key in row))
     cells = [[name, *(_cell(row.get(key, "")) for key in columns)] for name, row in rows.items()]
@@ -180,8 +206,9 @@ def parser(doc: str | None) -> argparse.ArgumentParser:
     return made
 
 
-def save(options: argparse.Namespace, name: str, results: dict[str, Any]) -> None:
-    """Write the results, if the options ask for it."""
+def report(options: argparse.Namespace, name: str, results: dict[str, Any]) -> None:
+    """Print the results, and write them if the options ask for it."""
+    show(name, results)
     if options.save:
         print("written:", write_results(name, results))
 
@@ -190,73 +217,3 @@ def of_tests(name: str) -> Any:
     """A module of the tests, which makes what is measured."""
     sys.path.append(str(HERE.parent / "tests"))
     return importlib.import_module(name)
-
-
-@contextlib.contextmanager
-def core_of_its_own() -> Iterator[None]:
-    """What starts in the block gets a core that this thread does not use, if there are two.
-
-    A controller is another machine. When the scheduler puts both on one core, a direct call
-    takes a third of the time and nothing that is compared here means anything.
-    """
-    *ours, theirs = CORES
-    os.sched_setaffinity(0, {theirs})
-    try:
-        yield
-    finally:
-        os.sched_setaffinity(0, ours or CORES)
-
-
-class Program:
-    """A program of Python in a process of its own, which reads and writes lines.
-
-    It ends when its standard input is closed, so it cannot outlive the benchmark.
-    """
-
-    def __init__(self, *arguments: str, quiet: bool = False) -> None:
-        self.process = subprocess.Popen(
-            [sys.executable, *arguments],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL if quiet else None,
-            text=True,
-        )
-
-    def __enter__(self) -> Self:
-        return self
-
-    def line(self) -> str:
-        """The next line that it writes."""
-        assert self.process.stdout is not None
-        line = self.process.stdout.readline()
-        if not line:
-            raise RuntimeError(f"{self.process.args!r} ended before it answered")
-        return line
-
-    def ask(self, line: str) -> str:
-        """Write a line, and return the one that it answers by."""
-        assert self.process.stdin is not None
-        self.process.stdin.write(f"{line}\n")
-        self.process.stdin.flush()
-        return self.line()
-
-    def end(self) -> str:
-        """Close its standard input; the rest of what it writes until it has ended."""
-        assert self.process.stdin is not None
-        assert self.process.stdout is not None
-        with self.process:
-            self.process.stdin.close()
-            return self.process.stdout.read()
-
-    def __exit__(self, *_: object) -> None:
-        if self.process.returncode is None:
-            self.end()
-
-
-class ServerProcess(Program):
-    """A script that serves on a core of its own, and says where by one line of JSON."""
-
-    def __init__(self, script: str, *options: str) -> None:
-        with core_of_its_own():
-            super().__init__(str(HERE / script), *options)
-        self.endpoints: dict[str, int] = json.loads(self.line())

@@ -11,15 +11,16 @@ from typing import TYPE_CHECKING, Any
 
 import anyio
 import numpy as np
-from _common import CORES, HERE, Program, spread
+from _common import CORES, HERE, spread
+from _processes import Program
 
-from aioduco._wire.connection import Connection
 from aioduco.streaming.shared.options import WorkerOptions
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator, Sequence
 
-HOST = "127.0.0.1"
+    from aioduco.streaming.report import StreamStatistics
+
 RATE = 1000
 BURST = 0.015
 WORKERS = {
@@ -36,17 +37,6 @@ def sine(count: int, rate: float, start: Sequence[float] = (0.0,) * 6) -> list[l
     turn = 2 * math.pi * 0.2 / rate
     ways = (0.1 * (1 - math.cos(turn * n)) for n in range(count))
     return [[angle + way for angle in start] for way in ways]
-
-
-def ask(port: int, account: str) -> list[float]:
-    """What the server has kept account of, since it was last asked."""
-    connection = Connection(HOST, port)
-    connection.open()
-    try:
-        found: list[float] = connection.call("get_system_value_list", (account,), 20.0)
-    finally:
-        connection.close()
-    return found
 
 
 def work_for(seconds: float) -> None:
@@ -95,6 +85,10 @@ class Lateness:
         self.seconds = np.append(self.seconds, np.repeat((low + high) // 2 * 1e-9, count))
         self.ticks += ticks
         self.missed += missed
+
+    def add_stream(self, found: StreamStatistics) -> None:
+        """Add a slice of a stream."""
+        self.add(found.buckets["lateness"], found.ticks, found.missed)
 
     def figures(self) -> dict[str, Any]:
         late = {f"late_{name}": value for name, value in spread(self.seconds).items()}

@@ -1,12 +1,15 @@
-"""Controllers with tasks and trivial handlers, which keep when they were reached.
+"""Controllers without an arm, for calls, streams and stops: what is measured is their client.
 
     python controller.py [COUNT]
 
-Motions take as long as the time set by `set_system_value_double("duration", s)`. All times are of
-CLOCK_MONOTONIC, which a client on the same machine shares. It prints the ports as a line of JSON,
-and ends when its standard input does; each line there has all cut every connection, and is
-answered by one when that is done. A heartbeat that does not come stops nothing here, but is kept
-as a stop at the time at which a controller would have acted. `first_stop` is for its clients.
+They answer at once, on a port each, and echo bytes on a further one. A motion takes as long as was
+set by `set_system_value_double("duration", s)`, and a realtime point is taken each millisecond.
+`get_system_value_list(name)` says what came since it was last asked, or when a task ended; times
+are of CLOCK_MONOTONIC, which a client on the same machine shares. A heartbeat that does not come
+stops nothing here, but is kept as a stop at the time at which a controller would have acted.
+
+The ports are printed as a line of JSON. The program ends when its standard input does; each line
+there has every connection cut, and is answered by one when that is done.
 """
 
 from __future__ import annotations
@@ -14,50 +17,52 @@ from __future__ import annotations
 import contextlib
 import itertools
 import json
+import os
+import socket
+import socketserver
+import struct
 import sys
 import threading
 import time
 from dataclasses import fields
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
-import anyio
+import numpy as np
+import thriftpy2
+from thriftpy2.protocol import TCyBinaryProtocol
+from thriftpy2.thrift import TProcessor
+from thriftpy2.transport import TCyBufferedTransport, TSocket, TTransportException
 
-from aioduco._wire import rpc
-from aioduco.models.enums import TaskState
-from aioduco.sim.server import Server
+from aioduco._process.scheduling import shorten_slice
+from aioduco._wire import idl, rpc
+from aioduco.models.enums import ProgramState, TaskState
 
 if TYPE_CHECKING:
-    from aioduco._wire.lane import WireLane
+    from collections.abc import Callable
 
-#: each list of a status
-LISTS: dict[str, Any] = {
-    each.name: [0.0] * 6 for each in fields(rpc.RobotStatus) if each.default_factory is list
-}
-STATUS = rpc.RobotStatus(**LISTS | {"slaveReady": [True] * 6}, robotState=6)
-IO = rpc.IOStatus(
-    digitalInputs=[False] * 16,
-    digitalOutputs=[False] * 16,
-    boolRegisterInputs=[False] * 64,
-    boolRegisterOutputs=[False] * 64,
-    wordRegisterInputs=[0] * 32,
-    wordRegisterOutputs=[0] * 32,
-    floatRegisterInputs=[0.0] * 32,
-    floatRegisterOutputs=[0.0] * 32,
-)
+CYCLE = 0.001
+#: a servo stream without a point for longer counts as tripped, as a realtime queue does
+TRIP = 0.02
+LISTS: dict[str, Any] = {each.name: [0.1] * 7 for each in fields(rpc.RobotStatus)[:15]}
+SIGNALS: dict[str, Any] = {each.name: [False] * 32 for each in fields(rpc.IOStatus)}
 
 
 class Handlers:
-    """Tasks that end by the clock; calls that hang until they are let go."""
+    """Tasks that end by the clock, a realtime queue, and answers of a usual size."""
 
     def __init__(self) -> None:
         self._duration = 0.3
         self._ends: dict[int, float] = {}
-        self._stops: list[float] = []
         self._stopped: set[int] = set()
         self._moving_until = 0.0
         self._ids = itertools.count(1000)
         self._beat: threading.Timer | None = None
-        self.held = threading.Event()
+        self._stops: list[float] = []
+        self._arrivals: list[float] = []
+        self._place = [0.0] * 6
+        self.clear_realtime_data_queue()
+
+    # -- tasks
 
     def _start(self, *_: object) -> int:
         task_id = next(self._ids)
@@ -66,20 +71,22 @@ class Handlers:
 
     movej2 = movel = _start
 
-    def speed(self, val: float) -> int:  # noqa: ARG002  # the wire's name
+    def speed(self, _val: float) -> int:
         """A motion that is awaited inside the controller: it answers at its end."""
         task_id = self._start()
         time.sleep(max(0.0, self._ends[task_id] - time.monotonic()))
         return task_id
 
-    def get_noneblock_taskstate(self, id: int) -> int:  # noqa: A002  # the wire's name
-        if id in self._stopped:
+    def get_noneblock_taskstate(self, task_id: int) -> int:
+        if task_id in self._stopped:
             return TaskState.STOPPED
-        return (
-            TaskState.RUNNING if time.monotonic() < self._ends.get(id, 0.0) else TaskState.FINISHED
-        )
+        running = time.monotonic() < self._ends.get(task_id, 0.0)
+        return TaskState.RUNNING if running else TaskState.FINISHED
 
-    def stop(self, block: bool) -> int:  # noqa: ARG002  # the wire's name
+    def robotmoving(self) -> bool:
+        return time.monotonic() < self._moving_until
+
+    def stop(self, _block: bool) -> int:
         now = time.monotonic()
         self._stops.append(now)
         self._moving_until = min(self._moving_until, now)
@@ -89,66 +96,159 @@ class Handlers:
                 self._stopped.add(task_id)
         return next(self._ids)
 
-    def robotmoving(self) -> bool:
-        return time.monotonic() < self._moving_until
-
-    def rpc_heartbeat(self, time: int) -> None:  # the wire's name
+    def rpc_heartbeat(self, milliseconds: int) -> None:
         if self._beat is not None:
             self._beat.cancel()
-        self._beat = threading.Timer(time / 1000, self._lost)
+        self._beat = threading.Timer(
+            milliseconds / 1000, lambda: self._stops.append(time.monotonic())
+        )
         self._beat.daemon = True
         self._beat.start()
 
-    def _lost(self) -> None:
-        self._stops.append(time.monotonic())
-
     def set_standard_digital_out(self, *_: object) -> int:
-        self.held.wait()
+        """A call that hangs."""
+        threading.Event().wait()
         return TaskState.FINISHED
 
-    def set_system_value_double(self, name: str, value: float) -> int:  # noqa: ARG002  # the wire's
+    # -- set-points
+
+    def servoj(self, joints: list[float], *_: object) -> int:
+        self._arrivals.append(time.monotonic())
+        self._place = joints
+        return TaskState.FINISHED
+
+    def get_actual_joints_position(self) -> list[float]:
+        return self._place
+
+    def clear_realtime_data_queue(self) -> int:
+        self._began: float | None = None
+        self._filled = self._starved = 0
+        return TaskState.FINISHED
+
+    def start_realtime_mode(self, *_: object) -> int:
+        self._began = time.monotonic()
+        return TaskState.FINISHED
+
+    def end_realtime_mode(self) -> int:
+        self.get_realtime_data_queue_size()
+        self._began = None
+        return TaskState.FINISHED
+
+    def realtime_data_enqueue(self, points: list[Any], _block: bool) -> int:
+        self.get_realtime_data_queue_size()
+        self._filled += len(points)
+        return TaskState.FINISHED
+
+    def get_realtime_data_queue_size(self) -> int:
+        """What is left, by the cycles until now: those without a point are counted."""
+        if self._began is None:
+            return self._filled
+        due = int((time.monotonic() - self._began) / CYCLE) - self._starved
+        self._starved += max(0, due - self._filled)
+        return max(0, self._filled - due)
+
+    # -- what came of it
+
+    def set_system_value_double(self, _name: str, value: float) -> int:
         self._duration = value
         return 0
 
     def get_system_value_list(self, name: str) -> list[float]:
+        """The account that is named, which begins anew; or when the task of this number ended.
+
+        Accounts are the times of `stops`, how often an arm trips by the gaps between `arrivals` of
+        set-points, and the cycles of a queue's `starvation`.
+        """
         if name == "stops":
-            taken, self._stops = self._stops, []
-            return taken
+            stops, self._stops = self._stops, []
+            return stops
+        if name == "arrivals":
+            arrivals, self._arrivals, self._place = self._arrivals, [], [0.0] * 6
+            return [float(np.count_nonzero(np.diff(arrivals) > TRIP))]
+        if name == "starvation":
+            starved = float(self._starved)
+            self.clear_realtime_data_queue()
+            return [starved]
         return [self._ends[int(name)]]
 
     def __getattr__(self, name: str) -> Any:
         answers = {
-            "get_robot_state": [6, 0, 5, 1],
+            "get_robot_state": [6, ProgramState.RUNNING, 5, 1],
             "get_robot_version": "3.8.0",
-            "get_actual_joints_position": [0.0] * 6,
             "get_last_error": [],
-            "getRobotStatus": STATUS,
-            "getRobotIOStatus": IO,
+            "getRobotStatus": rpc.RobotStatus(**LISTS, slaveReady=[True] * 6, robotState=6),
+            "getRobotIOStatus": rpc.IOStatus(**SIGNALS),
         }
         return lambda *_: answers[name]
 
 
-async def first_stop(lane: WireLane, begin: float) -> float:
-    """When the controller was first told to stop after `begin`, or stopped by itself."""
-    with anyio.fail_after(30.0):
+class Listener(socketserver.ThreadingTCPServer):
+    """Serves each connection to a free port by a function, on a thread of its own."""
+
+    daemon_threads = True
+    request_queue_size = 512
+
+    def __init__(self, answer: Callable[[socket.socket], None]) -> None:
+        super().__init__(("127.0.0.1", 0), socketserver.BaseRequestHandler)
+        self.port: int = self.server_address[1]
+        self._answer = answer
+        self._open: set[socket.socket] = set()
+        threading.Thread(target=self.serve_forever, daemon=True).start()
+
+    def finish_request(self, request: Any, _client: object) -> None:
+        request.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self._open.add(request)
+        # a client that goes away ends its connection, however it shows
+        with contextlib.suppress(OSError, EOFError, TTransportException):
+            self._answer(request)
+        self._open.discard(request)
+
+    def drop(self) -> None:
+        """Cut every connection."""
+        for each in self._open.copy():
+            with contextlib.suppress(OSError):
+                each.shutdown(socket.SHUT_RDWR)
+
+
+def controller(service: Any) -> Listener:
+    """A port that speaks the wire."""
+    wrapped: Any = TSocket
+    protocol: Any = TCyBinaryProtocol
+    processor = TProcessor(service, Handlers())
+
+    def answer(sock: socket.socket) -> None:
+        stream = protocol(TCyBufferedTransport(wrapped(sock=sock)))
         while True:
-            after = [at for at in await lane.rpc.get_system_value_list("stops") if at >= begin]
-            if after:
-                return min(after)
-            await anyio.sleep(0.005)
+            processor.process(stream, stream)
+
+    return Listener(answer)
+
+
+def answer_echoes(sock: socket.socket) -> None:
+    """Read the sizes of request and reply once; then send a reply for each request."""
+    stream = sock.makefile("rb")
+    request, reply = struct.unpack("!II", stream.read(8))
+    data = bytes(reply)
+    while len(stream.read(request)) == request:
+        sock.sendall(data)
 
 
 def main() -> None:
-    handlers = [Handlers() for _ in range(int(sys.argv[1]) if sys.argv[1:] else 1)]
-    with contextlib.ExitStack() as stack:
-        servers = [stack.enter_context(Server(cast("Any", each))) for each in handlers]
-        print(json.dumps({str(k): server.port for k, server in enumerate(servers)}), flush=True)
-        for _ in sys.stdin:
-            for server in servers:
-                server.drop()
-            print(flush=True)
-        for each in handlers:
-            each.held.set()
+    # Controllers are another machine: they do not wait behind the program's own work, and their
+    # threads take turns at once.
+    shorten_slice(100_000)
+    sys.setswitchinterval(0.0005)
+    idl.functions()  # the structs of `rpc` know their fields then
+    service = thriftpy2.load(str(idl.path()), module_name="controller_thrift").RPCRobot
+    listeners = [controller(service) for _ in range(int(sys.argv[1]) if sys.argv[1:] else 1)]
+    ports = [each.port for each in listeners]
+    print(json.dumps({"ports": ports, "echo": Listener(answer_echoes).port}), flush=True)
+    for _ in sys.stdin:
+        for each in listeners:
+            each.drop()
+        print(flush=True)
+    # threads that wait for bytes, or hang in a call, need no farewell
+    os._exit(0)
 
 
 if __name__ == "__main__":

@@ -21,28 +21,27 @@ import random
 import signal
 import threading
 import time
+from collections import defaultdict
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import anyio
-from _common import CORES, Program, ServerProcess, parser, save, show, spread
+from _common import CORES, in_turns, parser, report, spread
+from _processes import HOST, Program, ServerProcess, first_stop, guard_of, open_lane
 from _streaming import load
-from controller import first_stop
 
 import aioduco
 from aioduco._wire import rpc
-from aioduco._wire.lane import WireLane
 from aioduco.models.enums import TaskState
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
+    from aioduco._wire.lane import WireLane
     from aioduco.supervision.settings import GuardKind
 
-HOST = "127.0.0.1"
 HEARTBEAT = 0.5
 STALL_LIMIT = 0.6
-#: what is compared
 KINDS: dict[str, GuardKind | None] = {"without guard": None, "with guard": "process"}
 #: turns in which the stops with a guard and without one are measured
 TURNS = 5
@@ -52,6 +51,7 @@ SPEED, ACCELERATION = 1.0, 100.0
 MOVEL: tuple[Any, ...] = ([0.5, 0, 0.5, 0, 0, 0], 0.1, 1.0, 0.0, [], "", "", False, rpc.Op(), False)
 
 Figures = dict[str, Any]
+Times = dict[str, list[float]]
 
 
 class Desk:
@@ -72,15 +72,6 @@ class Desk:
     async def end(self, task_id: int) -> float:
         """When a task ended in the controller."""
         return (await self.lane.rpc.get_system_value_list(str(task_id)))[0]
-
-    async def stops(self, count: int, send: Callable[[], Awaitable[float]]) -> list[float]:
-        """Seconds from each call to the handler. `send` returns when it called."""
-        late: list[float] = []
-        for _ in range(count):
-            await anyio.sleep(self.random.uniform(0.0005, 0.003))
-            begin = await send()
-            late.append(await first_stop(self.lane, begin) - begin)
-        return late
 
     async def stop(self) -> float:
         begin = time.monotonic()
@@ -108,53 +99,49 @@ class Desk:
         return await self.stop()
 
 
-async def latencies(desk: Desk, count: int) -> dict[str, list[float]]:
-    late: dict[str, list[float]] = {}
+async def stops(desk: Desk, count: int, send: Callable[[], Awaitable[float]]) -> list[float]:
+    """Seconds from each call to the handler. `send` returns when it called."""
+    late: list[float] = []
+    for _ in range(count):
+        await anyio.sleep(desk.random.uniform(0.0005, 0.003))
+        begin = await send()
+        late.append(await first_stop(desk.lane, begin) - begin)
+    return late
 
-    async def add(name: str, send: Callable[[], Awaitable[float]]) -> None:
-        late[name] = await desk.stops(count, send)
 
-    await desk.stops(3, desk.stop)  # the turn before has broken the lane's connection
-    await add("idle", desk.stop)
+async def latencies(desk: Desk, count: int) -> Times:
+    late: Times = {}
+    await stops(desk, 3, desk.stop)  # the turn before has broken the lane's connection
+    late["idle"] = await stops(desk, count, desk.stop)
     async with anyio.create_task_group() as tasks:
         for _ in range(68):
             tasks.start_soon(desk.robot.io.set_standard_digital_out, 1, True)
         while desk.robot.statistics().lanes["call"].waiting < 64:  # noqa: ASYNC110
             await anyio.sleep(0.001)
-        await add("pool blocked, 64 calls waiting", desk.stop)
+        late["pool blocked, 64 calls waiting"] = await stops(desk, count, desk.stop)
         tasks.cancel_scope.cancel()
     async with load(busy=True):
-        await add("loop in bursts of 15 ms: stop()", desk.stop)
-        await add("loop in bursts of 15 ms: stop_now()", desk.stop_now)
-    await add("every connection broken just before", desk.broken)
+        late["loop in bursts of 15 ms: stop()"] = await stops(desk, count, desk.stop)
+        late["loop in bursts of 15 ms: stop_now()"] = await stops(desk, count, desk.stop_now)
+    late["every connection broken just before"] = await stops(desk, count, desk.broken)
     return late
 
 
-async def compared(
-    lane: WireLane, server: ServerProcess, count: int
-) -> dict[str, dict[str, Figures]]:
-    """Take turns, so that whatever else the machine does meets all alike.
-
-    One robot is open at a time: what another one does in this program would count.
-    """
-    late: dict[str, dict[str, list[float]]] = {name: {} for name in KINDS}
-    for _ in range(TURNS):
-        for name, guard in KINDS.items():
-            async with aioduco.connect(
-                HOST, lane.port, guard=guard, call_timeout=600.0, heartbeat=60.0, lag_limit=None
-            ) as robot:
-                seat = robot._supervisor.guard
-                if seat is not None and seat.pid is not None:
-                    # beside the program, not on its core alone: it is to be free of it
-                    for thread in os.listdir(f"/proc/{seat.pid}/task"):  # noqa: PTH208
-                        os.sched_setaffinity(int(thread), CORES)
-                found = await latencies(Desk(robot, lane, server), count // TURNS)
-            for case, times in found.items():
-                late[name].setdefault(case, []).extend(times)
-    return {
-        name: {case: spread(found) | {"stops": len(found)} for case, found in cases.items()}
-        for name, cases in late.items()
-    }
+async def compared(lane: WireLane, server: ServerProcess, count: int) -> dict[str, Times]:
+    """One robot is open at a time: what another one does in this program would count."""
+    late: dict[str, Times] = {name: defaultdict(list) for name in KINDS}
+    for name, guard in in_turns(TURNS, KINDS):
+        async with aioduco.connect(
+            HOST, lane.port, guard=guard, call_timeout=600.0, heartbeat=60.0, lag_limit=None
+        ) as robot:
+            if pid := guard_of(robot):
+                # beside the program, not on its core alone: it is to be free of it
+                for thread in os.listdir(f"/proc/{pid}/task"):  # noqa: PTH208
+                    os.sched_setaffinity(int(thread), CORES)
+            found = await latencies(Desk(robot, lane, server), count // TURNS)
+        for case, times in found.items():
+            late[name][case] += times
+    return late
 
 
 # -- the end of a motion -----------------------------------------------------------------------
@@ -210,19 +197,17 @@ async def ends(desk: Desk, count: int) -> dict[str, Figures]:
         "blocking call": blocking,
         "ask, sleep 10 ms": polled,
     }
-    late: dict[str, list[float]] = {name: [] for name in cases}
+    late: Times = {name: [] for name in cases}
     asked = dict.fromkeys(cases, 0)
-    # In turn: whatever else the machine does meanwhile meets all of them alike.
-    for _ in range(count):
-        for name, case in cases.items():
-            polls, others = desk.robot.statistics().polls, desk.lane.statistics().calls
-            late[name].append(await case(desk))
-            # A motion also takes a call before it and one after it; beside the robot, its start.
-            own = desk.lane.statistics().calls - others - (2 if "aioduco" in name else 3)
-            asked[name] += desk.robot.statistics().polls - polls + own
+    for name, case in in_turns(count, cases):
+        polls, others = desk.robot.statistics().polls, desk.lane.statistics().calls
+        late[name].append(await case(desk))
+        # A motion also takes a call before it and one after it; beside the robot, its start.
+        own = desk.lane.statistics().calls - others - (2 if "aioduco" in name else 3)
+        asked[name] += desk.robot.statistics().polls - polls + own
     return {
-        name: spread(late[name]) | {"polls_each": round(asked[name] / count, 1), "motions": count}
-        for name in cases
+        name: spread(times, "motions") | {"polls_each": round(asked[name] / count, 1)}
+        for name, times in late.items()
     }
 
 
@@ -280,7 +265,7 @@ class Victim(Program):
         return begin
 
 
-async def deaths(lane: WireLane, guard: GuardKind | None, count: int) -> dict[str, Figures]:
+async def deaths(lane: WireLane, guard: GuardKind | None, count: int) -> Times:
     cases: dict[str, Callable[[Victim], float]] = {
         "program killed": Victim.die,
         f"event loop hangs, limit {STALL_LIMIT:g} s": Victim.hang,
@@ -288,49 +273,44 @@ async def deaths(lane: WireLane, guard: GuardKind | None, count: int) -> dict[st
     if guard is not None:
         cases["guard killed, program frozen"] = Victim.lose_guard
     rng = random.Random(2)
-    late: dict[str, list[float]] = {name: [] for name in cases}
-    for _ in range(count):
-        for name, case in cases.items():
-            with await anyio.to_thread.run_sync(Victim, lane.port, guard) as victim:
-                # at any moment between two beats
-                await anyio.sleep(rng.uniform(0.0, HEARTBEAT))
-                begin = case(victim)
-                late[name].append(await first_stop(lane, begin) - begin)
-    return {name: spread(seconds) | {"times": len(seconds)} for name, seconds in late.items()}
+    late: Times = {name: [] for name in cases}
+    for name, case in in_turns(count, cases):
+        with await anyio.to_thread.run_sync(Victim, lane.port, guard) as victim:
+            # at any moment between two beats
+            await anyio.sleep(rng.uniform(0.0, HEARTBEAT))
+            begin = case(victim)
+            late[name].append(await first_stop(lane, begin) - begin)
+    return late
 
 
 # -- all of it ---------------------------------------------------------------------------------
 
 
 async def measure(server: ServerProcess, quick: bool) -> dict[str, Any]:
-    port = server.endpoints["0"]
-    lane = WireLane("bench", HOST, port)
-    await lane.open()
-    try:
+    [port] = server.ports
+    async with open_lane(port) as lane:
         stop = await compared(lane, server, 300 if quick else 1000)
         async with aioduco.connect(HOST, port, call_timeout=600.0) as robot:
             end = await ends(Desk(robot, lane, server), 15 if quick else 100)
         death = {
             name: await deaths(lane, guard, 2 if quick else 20) for name, guard in KINDS.items()
         }
-    finally:
-        await lane.aclose()
-    return {"stop": stop, "death": death, "end": end}
+    figures = {
+        key: {
+            name: {case: spread(seconds, count) for case, seconds in cases.items()}
+            for name, cases in times.items()
+        }
+        for key, count, times in (("stop", "stops", stop), ("death", "times", death))
+    }
+    return figures | {"end": end}
 
 
 def main() -> None:
     options = parser(__doc__).parse_args()
     with ServerProcess("controller.py") as server:
         found = anyio.run(measure, server, options.quick)
-    for key, title in (
-        ("stop", "From the call of a stop to the controller's handler"),
-        ("death", "From the event until the controller is told to stop"),
-    ):
-        cases = found[key].items()
-        show(title, {f"{case}, {name}": row for name, rows in cases for case, row in rows.items()})
-    show("From the end of a motion to its notice", found["end"])
-    save(options, "supervision", {"end": found.pop("end")})
-    save(options, "guard", {"heartbeat_s": HEARTBEAT, **found})
+    report(options, "supervision", {"end": found.pop("end")})
+    report(options, "guard", {"heartbeat_s": HEARTBEAT, **found})
 
 
 if __name__ == "__main__":

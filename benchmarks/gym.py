@@ -17,7 +17,7 @@ import time
 from typing import Any
 
 import gymnasium
-from _common import parser, save, show
+from _common import in_turns, parser, report
 
 import aioduco.integrations.gym  # noqa: F401 - registers the names
 
@@ -57,9 +57,8 @@ def main() -> None:
             for each in made.values():
                 rate(each, 10)
             rates: dict[str, list[float]] = {kind: [] for kind in made}
-            for _ in range(rounds):
-                for kind, each in made.items():
-                    rates[kind].append(rate(each, steps))
+            for kind, each in in_turns(rounds, made):
+                rates[kind].append(rate(each, steps))
             for each in made.values():
                 each.close()
             figures: dict[str, Any] = {
@@ -76,14 +75,13 @@ def main() -> None:
     rate(wire, 10)
     result["reach over the wire, 1 process"] = {"aioduco, steps/s": round(rate(wire, steps))}
     wire.close()
-    show("steps a second, of all processes together", result)
     results = {
         "command": "chrt -r 5 python benchmarks/gym.py --save",
         "steps a round": steps,
         "rounds": rounds,
         "steps a second, of all processes together": result,
     }
-    save(options, "gym", results)
+    report(options, "gym", results)
 
 
 if __name__ == "__main__":

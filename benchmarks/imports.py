@@ -24,7 +24,7 @@ import tempfile
 import time
 from typing import TYPE_CHECKING
 
-from _common import at_most, parser, save, show
+from _common import at_most, in_turns, parser, report
 
 from aioduco.testing import RecordingServer
 
@@ -81,9 +81,8 @@ def measured(rounds: int) -> dict[str, list[dict[str, float]]]:
         for command in commands.values():
             took(command, env, server)  # writes what is compiled
         found: dict[str, list[dict[str, float]]] = {name: [] for name in commands}
-        for _ in range(rounds):
-            for name, command in commands.items():
-                found[name].append(took(command, env, server))
+        for name, command in in_turns(rounds, commands):
+            found[name].append(took(command, env, server))
     return found
 
 
@@ -102,13 +101,7 @@ def main() -> int:
     asked = {
         name: at_most(limit, figures[name]["processor_to_numpy"]) for name, limit in LIMITS.items()
     }
-    show("Processes, from their start", figures)
-    show("Processor time to that of import numpy", asked)
-    save(
-        options,
-        "imports",
-        {"rounds": len(found[NUMPY]), "asked_for": asked, "processes": figures},
-    )
+    report(options, "imports", {"asked_for": asked, "processes": figures})
     return sum(not each["reached"] for each in asked.values())
 
 

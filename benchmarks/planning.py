@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from unittest.mock import patch
 
 import numpy as np
-from _common import parser, percentile, save, show
+from _common import parser, percentile, report
 
 from aioduco import Joints, Pose
 from aioduco.errors import NoPathFound
@@ -240,8 +240,7 @@ def main() -> None:
             row = measure(arm, make(arm.reach), 5 if options.quick else 100)
             figures[f"{name}, {model}"] = row
             print(f"{name}, {model}: {row}", flush=True)
-    show("planning", figures)
-    save(options, "planning", {"planning": figures})
+    report(options, "planning", {"planning": figures})
 
 
 if __name__ == "__main__":

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 import anyio
 import numpy as np
-from _common import Program, parser, percentile, save, show
+from _common import parser, percentile, report
+from _processes import Program
 
 import aioduco
 from aioduco.recording import read
@@ -138,9 +139,7 @@ async def measured(quick: bool) -> dict[str, Any]:
 
 def main() -> None:
     options = parser(__doc__).parse_args()
-    results = anyio.run(measured, options.quick)
-    show("recording", {name: results[name] for name in ("moving", "standing", "kill")})
-    save(options, "recording", results)
+    report(options, "recording", anyio.run(measured, options.quick))
 
 
 if __name__ == "__main__":

@@ -18,7 +18,8 @@ import time
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from _common import of_tests, parser, processor_time, save, show, spread
+from _common import of_tests, parser, report, spread
+from _processes import processor_time
 
 from aioduco.sim import Simulator
 
@@ -178,14 +179,12 @@ def main() -> int:
             for guard in guards:
                 title = f"{killed} killed, {'with' if guard else 'without'} guard"
                 stands[title] = kills(kind, Path(folder), killed, guard, count)
-    show("joint states", {"": states})
-    show("until the arm stands", stands)
     results = {
         "heartbeat_s": HEARTBEAT,
         "until_the_arm_stands": stands,
         "joint_states": {f"{seconds:g} s": states},
     }
-    save(options, f"ros{options.version}", results)
+    report(options, f"ros{options.version}", results)
     kept = (
         abs(states["found_hz"] / RATE - 1) <= kind.off
         and states["share_of_a_core_percent"] < kind.most

@@ -1,4 +1,4 @@
-"""One call after another: how many a second, and how late the slowest are.
+"""One call after another: how long each takes, and how late the slowest are.
 
     python benchmarks/rpc.py [--quick] [--save]
 
@@ -15,7 +15,6 @@ done twice: on the machine as it is, and beside a process for each core that doe
 
 from __future__ import annotations
 
-import asyncio
 import contextlib
 import importlib
 import importlib.util
@@ -27,24 +26,26 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections import defaultdict
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+import anyio
 import numpy as np
 import thriftpy2
-from _common import CORES, Program, ServerProcess, at_most, parser, save, show, spread
+from _common import CORES, at_most, in_turns, parser, report, spread
+from _processes import HOST, Program, ServerProcess, call_bytes, open_lane
 from thriftpy2.protocol import TCyBinaryProtocolFactory
 from thriftpy2.rpc import make_client
 from thriftpy2.transport import TCyBufferedTransportFactory
 
-from aioduco._wire import codec, idl
+from aioduco._wire import idl
 from aioduco._wire.connection import Connection
-from aioduco._wire.lane import WireLane
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-HOST = "127.0.0.1"
+Figures = dict[str, dict[str, Any]]
 
 #: the functions, each with arguments as programs use them
 CALLS: dict[str, tuple[Any, ...]] = {
@@ -54,35 +55,21 @@ CALLS: dict[str, tuple[Any, ...]] = {
 }
 
 
-class Alternative:
-    """One way to call: how, and the durations of its calls in seconds."""
-
-    def __init__(self, name: str, call: Callable[[], Any], *, awaited: bool = False) -> None:
-        self.name = name
-        self._call = call
-        self._awaited = awaited
-        self._durations: list[float] = []
-
-    async def run(self, seconds: float, keep: bool) -> None:
-        """Call for so long."""
-        call, clock = self._call, time.perf_counter
-        times = [clock()]
-        end = times[0] + seconds
-        if self._awaited:
-            while times[-1] < end:
-                await call()
-                times.append(clock())
-        else:
-            while times[-1] < end:
-                call()
-                times.append(clock())
-        if keep:
-            self._durations += np.diff(times).tolist()
-
-    def figures(self) -> dict[str, Any]:
-        calls, seconds = len(self._durations), sum(self._durations)
-        rate = {"calls": calls, "calls_per_second": round(calls / seconds, 1)}
-        return rate | spread(self._durations)
+async def called(call: Callable[[], Any], seconds: float, *, awaited: bool = False) -> list[float]:
+    """Call one after the other for so long; seconds that each took."""
+    clock = time.perf_counter
+    times = [clock()]
+    end = times[0] + seconds
+    if awaited:
+        while times[-1] < end:
+            await call()
+            times.append(clock())
+    else:
+        while times[-1] < end:
+            call()
+            times.append(clock())
+    durations: list[float] = np.diff(times).tolist()
+    return durations
 
 
 def bare_socket(
@@ -171,43 +158,40 @@ def apache_client(module: Any, port: int, stack: contextlib.ExitStack) -> Any:
 
 def sizes(name: str, port: int) -> tuple[int, int]:
     """Bytes of a call and of its answer."""
-    connection = Connection(HOST, port)
-    connection.open()
-    connection.call(name, CALLS[name], 2.0)
-    connection.close()
-    function = idl.functions()[name]
-    sent = codec.message(function, 1, codec.encode(function, CALLS[name]))
-    return len(sent), connection._exchange.end
+    with contextlib.closing(Connection(HOST, port)) as connection:
+        connection.open()
+        connection.call(name, CALLS[name], 2.0)
+    return len(call_bytes(name, *CALLS[name])), connection._exchange.end
 
 
 async def measure(
-    name: str, ports: dict[str, int], apache: Any, rounds: int, seconds: float
-) -> dict[str, Any]:
+    name: str, server: ServerProcess, apache: Any, rounds: int, seconds: float
+) -> Figures:
     """Measure one function by all alternatives; their figures by name."""
     args = CALLS[name]
-    port = ports["thrift"]
+    [port] = server.ports
     with contextlib.ExitStack() as stack:
-        lane = WireLane("benchmark", HOST, port)
-        await lane.open()
-        direct = getattr(thriftpy2_client(port, stack), name)
-        awaited = getattr(lane.rpc, name)
-        alternatives = [
-            Alternative("bare socket", bare_socket(ports["echo"], *sizes(name, port), stack)),
-            Alternative("thriftpy2", lambda: direct(*args)),
-            Alternative("aioduco", lambda: awaited(*args), awaited=True),
-        ]
-        if apache is not None:
-            call = getattr(apache_client(apache, port, stack), name)
-            alternatives.append(Alternative("Apache", partial(call, *args)))
-        for number in range(-1, rounds):
-            turn = number % len(alternatives)
-            for alternative in alternatives[turn:] + alternatives[:turn]:
-                await alternative.run(seconds, keep=number >= 0)
-        await lane.aclose()
-        return {alternative.name: alternative.figures() for alternative in alternatives}
+        async with open_lane(port) as lane:
+            direct = getattr(thriftpy2_client(port, stack), name)
+            awaited = getattr(lane.rpc, name)
+            echo = bare_socket(server.endpoints["echo"], *sizes(name, port), stack)
+            alternatives = {
+                "bare socket": partial(called, echo),
+                "thriftpy2": partial(called, lambda: direct(*args)),
+                "aioduco": partial(called, lambda: awaited(*args), awaited=True),
+            }
+            if apache is not None:
+                slow = getattr(apache_client(apache, port, stack), name)
+                alternatives["Apache"] = partial(called, lambda: slow(*args))
+            durations: dict[str, list[float]] = defaultdict(list)
+            for _, alternative in in_turns(1, alternatives):
+                await alternative(seconds)
+            for name, alternative in in_turns(rounds, alternatives):
+                durations[name] += await alternative(seconds)
+    return {name: spread(each, "calls") for name, each in durations.items()}
 
 
-def judged(calls: dict[str, dict[str, dict[str, Any]]]) -> dict[str, dict[str, Any]]:
+def judged(calls: dict[str, Figures]) -> Figures:
     """What is asked for of each function, and what was found."""
     asked = {}
     for name, figures in calls.items():
@@ -222,24 +206,16 @@ def judged(calls: dict[str, dict[str, dict[str, Any]]]) -> dict[str, dict[str, A
 def main() -> None:
     options = parser(__doc__).parse_args()
     rounds, seconds = (3, 0.15) if options.quick else (20, 0.25)
-    results: dict[bool, dict[str, dict[str, dict[str, Any]]]] = {False: {}, True: {}}
-    with ServerProcess("rpc_server.py") as server, apache_module() as apache:
-        for burning, kept in results.items():
-            with load(burning):
-                for name in CALLS:
-                    found = asyncio.run(measure(name, server.endpoints, apache, rounds, seconds))
-                    kept[name] = found
-                    show(f"{name}, beside burning processes" if burning else name, found)
-    asked = judged(results[False])
-    show("on the machine as it is", asked)
-    figures = {
-        "rounds": rounds,
-        "seconds_each": seconds,
-        "asked_for": asked,
-        "calls": results[False],
-        "calls beside one burning process for each core": results[True],
+    tables: dict[str, dict[str, Figures]] = {
+        "calls": {},
+        "calls beside one burning process for each core": {},
     }
-    save(options, "rpc", figures)
+    with ServerProcess("controller.py") as server, apache_module() as apache:
+        for title, figures in tables.items():
+            with load(title != "calls"):
+                for name in CALLS:
+                    figures[name] = anyio.run(measure, name, server, apache, rounds, seconds)
+    report(options, "rpc", {"asked_for": judged(tables["calls"]), **tables})
 
 
 if __name__ == "__main__":

@@ -30,25 +30,23 @@ from typing import TYPE_CHECKING, Any
 
 import anyio
 import rpc as calls
-from _common import CORES, ServerProcess, parser, save, show
+from _common import CORES, in_turns, parser, report
+from _processes import HOST, ServerProcess, client, open_lane
 from _streaming import (
-    HOST,
     RATE,
     SERVOJ,
     WORKERS,
     Lateness,
-    ask,
     bare_loops,
     load,
     sine,
     urgent_allowed,
     work_for,
 )
-from rpc_server import CYCLE
+from controller import CYCLE
 from ticks import Ticks
 
 import aioduco
-from aioduco._wire.lane import WireLane
 from aioduco._wire.rpc import RealTimeControlData
 from aioduco.api.streams.realtime import RealtimeStreams
 from aioduco.api.streams.servo import Servo
@@ -59,7 +57,9 @@ from aioduco.streaming.shared.options import WorkerOptions
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Mapping
 
-    from aioduco.streaming.report import StreamStatistics
+    Run = Callable[[], Awaitable[object]]
+
+Rows = dict[str, dict[str, Any]]
 
 
 async def lane_rate(port: int, count: int) -> float:
@@ -72,30 +72,26 @@ async def lane_rate(port: int, count: int) -> float:
     return 1 / stream.statistics().interval.mean
 
 
-def sync_rate(call: Callable[..., object], seconds: float) -> float:
-    """Calls per second, one after another."""
-    begin = now = time.perf_counter()
-    number = 0
-    while now - begin < seconds:
-        call([1e-5 * number] * 6, *SERVOJ)
-        number += 1
-        now = time.perf_counter()
-    return number / (now - begin)
+async def rate_of(client: Any, seconds: float) -> float:
+    """Set-points per second of a client, one call after another."""
+    point = [0.0] * 6
+    return 1 / statistics.mean(await calls.called(lambda: client.servoj(point, *SERVOJ), seconds))
 
 
-async def greatest_rate(port: int, quick: bool) -> dict[str, dict[str, Any]]:
+async def greatest_rate(port: int, quick: bool) -> Rows:
     """Closed loop: each set-point is sent when the one before has been answered."""
     rounds, seconds, count = (3, 0.3, 3000) if quick else (10, 1.0, 10_000)
-    rates: dict[str, list[float]] = {"process": [], "thriftpy2": []}
     with contextlib.ExitStack() as stack:
-        direct = calls.thriftpy2_client(port, stack).servoj
+        ways: dict[str, Callable[[], Awaitable[float]]] = {
+            "process": partial(lane_rate, port, count),
+            "thriftpy2": partial(rate_of, calls.thriftpy2_client(port, stack), seconds),
+        }
         apache = stack.enter_context(calls.apache_module())
-        slow = None if apache is None else calls.apache_client(apache, port, stack).servoj
-        for _ in range(rounds):
-            rates["process"].append(await lane_rate(port, count))
-            rates["thriftpy2"].append(sync_rate(direct, seconds))
-            if slow is not None:
-                rates.setdefault("Apache", []).append(sync_rate(slow, seconds))
+        if apache is not None:
+            ways["Apache"] = partial(rate_of, calls.apache_client(apache, port, stack), seconds)
+        rates: dict[str, list[float]] = {name: [] for name in ways}
+        for name, way in in_turns(rounds, ways):
+            rates[name].append(await way())
     medians = {name: statistics.median(found) for name, found in rates.items()}
     slowest = medians.get("Apache")
     return {
@@ -119,60 +115,61 @@ async def by_worker(found: Lateness, kind: str, port: int, seconds: float) -> No
             with anyio.fail_after(seconds + 1):
                 for point in sine(round(seconds * RATE), RATE):
                     await stream.send(point)
-    figures = stream.statistics()
-    found.add(figures.buckets["lateness"], figures.ticks, figures.missed)
+    found.add_stream(stream.statistics())
 
 
 async def by_loop(found: Lateness, port: int, seconds: float) -> None:
-    lane = WireLane("benchmark", HOST, port)
-    await lane.open()
     points = sine(round(seconds * RATE) + 1, RATE)
-    ticks = Ticks(RATE)
-    end = ticks.due + round(seconds * 1e9)
-    while ticks.due < end:
-        await anyio.sleep(max(0, ticks.due - time.monotonic_ns()) * 1e-9)
-        ticks.begin()
-        await lane.rpc.servoj(points[min(ticks.ticks, len(points) - 1)], *SERVOJ)
-        ticks.end()
-    await lane.aclose()
+    async with open_lane(port) as lane:
+        ticks = Ticks(RATE)
+        end = ticks.due + round(seconds * 1e9)
+        while ticks.due < end:
+            await anyio.sleep(max(0, ticks.due - time.monotonic_ns()) * 1e-9)
+            ticks.begin()
+            await lane.rpc.servoj(points[min(ticks.ticks, len(points) - 1)], *SERVOJ)
+            ticks.end()
     found.add(ticks.buckets(), ticks.ticks, ticks.missed)
 
 
-async def in_turn(
+async def accounts(
     port: int,
     account: str,
-    runs: Mapping[str, Callable[[], Awaitable[object]]],
+    runs: Mapping[str, Run],
     slices: int,
     *,
     busy: bool,
-) -> tuple[dict[str, list[list[float]]], Lateness]:
-    """The server's account of each slice, and how late bare loops beside `process` were."""
-    accounts: dict[str, list[list[float]]] = {name: [] for name in runs}
-    noise = Lateness()
-    for _ in range(slices):
-        for name, run in runs.items():
-            ask(port, account)
-            beside = bare_loops(noise) if name == "process" else contextlib.nullcontext()
-            async with load(busy):
-                with beside:
-                    await run()
-            accounts[name].append(ask(port, account))
-    return accounts, noise
+) -> dict[str, int]:
+    """What the controller counted in all slices of each run."""
+
+    def ask() -> int:
+        with client(port) as robot:
+            return round(robot.get_system_value_list(account)[0])
+
+    counted = dict.fromkeys(runs, 0)
+    for name, run in in_turns(slices, runs):
+        ask()
+        async with load(busy):
+            await run()
+        counted[name] += ask()
+    return counted
 
 
-async def pacing(port: int, busy: bool, quick: bool) -> dict[str, dict[str, Any]]:
+async def pacing(port: int, busy: bool, quick: bool) -> Rows:
     """One set-point each millisecond; the alternatives take turns."""
     slices, seconds = (1, 1.5) if quick else (6, 3.0)
     kinds = [kind for kind in WORKERS if kind != "urgent" or urgent_allowed()]
-    found = {name: Lateness() for name in (*kinds, "loop")}
-    runs = {kind: partial(by_worker, found[kind], kind, port, seconds) for kind in kinds}
-    runs["loop"] = partial(by_loop, found["loop"], port, seconds)
-    accounts, noise = await in_turn(port, "arrivals", runs, slices, busy=busy)
-    rows = {
-        name: each.figures() | {"trips": round(sum(trips for (trips,) in accounts[name]))}
-        for name, each in found.items()
+    found = {name: Lateness() for name in (*kinds, "loop", "bare")}
+
+    async def beside_bare_loops() -> None:
+        with bare_loops(found["bare"]):
+            await by_worker(found["process"], "process", port, seconds)
+
+    runs: dict[str, Run] = {
+        kind: partial(by_worker, found[kind], kind, port, seconds) for kind in kinds
     }
-    return rows | {"bare": noise.figures() | {"trips": 0}}
+    runs |= {"process": beside_bare_loops, "loop": partial(by_loop, found["loop"], port, seconds)}
+    trips = await accounts(port, "arrivals", runs, slices, busy=busy)
+    return {name: late.figures() | {"trips": trips.get(name, 0)} for name, late in found.items()}
 
 
 async def queue_by_worker(port: int, seconds: float) -> None:
@@ -190,88 +187,68 @@ async def queue_by_worker(port: int, seconds: float) -> None:
 
 async def queue_by_loop(port: int, seconds: float) -> None:
     """What a program writes without streams: look at the queue, fill it up, sleep."""
-    lane = WireLane("benchmark", HOST, port)
-    await lane.open()
-    rpc, depth, period = lane.rpc, 50, 0.004
+    depth, period = 50, 0.004
     points = [RealTimeControlData(joint_pos_cmd=q, status=True) for q in sine(100, 1000)]
-    await rpc.clear_realtime_data_queue()
-    await rpc.realtime_data_enqueue(points[:depth], True)
-    await rpc.start_realtime_mode(0, 100.0, 0.02)
-    start = anyio.current_time()
-    for number in range(1, round(seconds / period)):
-        await anyio.sleep_until(start + number * period)
-        if number == round(seconds / period) // 2:
-            work_for(0.3)
-        missing = depth - await rpc.get_realtime_data_queue_size()
-        if missing > 0:
-            await rpc.realtime_data_enqueue(points[:missing], True)
-    await rpc.end_realtime_mode()
-    await lane.aclose()
+    async with open_lane(port) as lane:
+        rpc = lane.rpc
+        await rpc.clear_realtime_data_queue()
+        await rpc.realtime_data_enqueue(points[:depth], True)
+        await rpc.start_realtime_mode(0, 100.0, 0.02)
+        start = anyio.current_time()
+        for number in range(1, round(seconds / period)):
+            await anyio.sleep_until(start + number * period)
+            if number == round(seconds / period) // 2:
+                work_for(0.3)
+            missing = depth - await rpc.get_realtime_data_queue_size()
+            if missing > 0:
+                await rpc.realtime_data_enqueue(points[:missing], True)
+        await rpc.end_realtime_mode()
 
 
-async def starvation(port: int, quick: bool) -> dict[str, dict[str, Any]]:
+async def starvation(port: int, quick: bool) -> Rows:
     """A point each millisecond through the queue, under load; the controller's side of it."""
     slices, seconds = (1, 2.0) if quick else (6, 2.0)
     runs = {
         "process": partial(queue_by_worker, port, seconds),
         "loop": partial(queue_by_loop, port, seconds),
     }
-    accounts, noise = await in_turn(port, "starvation", runs, slices, busy=True)
-    rows: dict[str, dict[str, Any]] = {}
-    for name, account in accounts.items():
-        taken, starved, longest = zip(*account, strict=True)
-        rows[name] = {
-            "points": round(sum(taken)),
-            "starved_cycles": round(sum(starved)),
-            "longest_ms": max(longest),
-        }
-    # What no queue of this depth bridges: how long the machine let a bare loop wait.
-    rows["bare"] = {"longest_ms": round(float(noise.seconds.max()) * 1e3, 1)}
-    return rows
+    starved = await accounts(port, "starvation", runs, slices, busy=True)
+    return {name: {"starved_cycles": cycles} for name, cycles in starved.items()}
 
 
 # -- the simulated arm ---
 
 
-async def servo(robot: aioduco.Robot, seconds: float, noise: Lateness) -> dict[str, Any]:
+async def servo(robot: aioduco.Robot, late: Lateness, seconds: float) -> None:
     start = await robot.state.get_actual_joints_position()
-    async with load(True):
-        with bare_loops(noise):
-            async with robot.servo.joints(v=1.0, a=20.0, rate=RATE, hold=5.0) as stream:
-                for point in sine(round(seconds * RATE), RATE, start):
-                    await stream.send(point)
-    return figures(stream.statistics())
+    async with robot.servo.joints(v=1.0, a=20.0, rate=RATE, hold=5.0) as stream:
+        for point in sine(round(seconds * RATE), RATE, start):
+            await stream.send(point)
+    late.add_stream(stream.statistics())
 
 
-async def realtime(robot: aioduco.Robot, seconds: float) -> dict[str, Any]:
+async def realtime(robot: aioduco.Robot, late: Lateness, seconds: float) -> None:
     start = await robot.state.get_actual_joints_position()
-    async with load(True):
-        opened = robot.realtime.stream("joint_position", v=1.0, a=20.0, depth=50, hold=5.0)
-        async with opened as stream, anyio.create_task_group() as tasks:
-            tasks.start_soon(stream.play, sine(round(seconds * RATE), RATE, start))
-            await anyio.sleep(seconds / 2)
-            work_for(0.3)
-    return figures(stream.statistics())
+    opened = robot.realtime.stream("joint_position", v=1.0, a=20.0, depth=50, hold=5.0)
+    async with opened as stream, anyio.create_task_group() as tasks:
+        tasks.start_soon(stream.play, sine(round(seconds * RATE), RATE, start))
+        await anyio.sleep(seconds / 2)
+        work_for(0.3)
+    late.add_stream(stream.statistics())
 
 
-def figures(found: StreamStatistics) -> dict[str, Any]:
-    lateness = Lateness()
-    lateness.add(found.buckets["lateness"], found.ticks, found.missed)
-    return lateness.figures()
-
-
-async def simulated(quick: bool) -> dict[str, dict[str, Any]]:
+async def simulated(quick: bool) -> Rows:
     """Against a simulated arm in a process of its own."""
     seconds = 2.0 if quick else 20.0
+    found = {name: Lateness() for name in ("servoj", "bare, beside servoj", "realtime")}
     # The stall is meant, so nobody needs to be warned of it.
     async with Simulator.spawn() as sim, aioduco.connect(HOST, sim.port, lag_limit=None) as robot:
         await robot.bring_up()
-        noise = Lateness()
-        return {
-            "servoj": await servo(robot, seconds, noise),
-            "bare, beside servoj": noise.figures(),
-            "realtime": await realtime(robot, seconds),
-        }
+        async with load(True):
+            with bare_loops(found["bare, beside servoj"]):
+                await servo(robot, found["servoj"], seconds)
+            await realtime(robot, found["realtime"], seconds)
+    return {name: late.figures() for name, late in found.items()}
 
 
 async def measure(port: int, quick: bool) -> dict[str, Any]:
@@ -289,14 +266,9 @@ async def measure(port: int, quick: bool) -> dict[str, Any]:
 
 def main() -> None:
     options = parser(__doc__).parse_args()
-    with ServerProcess("rpc_server.py") as server:
-        results = anyio.run(measure, server.endpoints["thrift"], options.quick)
-    show("greatest servoj rate, closed loop", results["greatest_rate"])
-    for kind in ("pacing", "realtime_queue"):
-        for title, rows in results[kind].items():
-            show(f"{kind.replace('_', ' ')}, {title}", rows)
-    show("simulated arm, busy", results["simulator"])
-    save(options, "streaming", results)
+    with ServerProcess("controller.py") as server:
+        results = anyio.run(measure, server.ports[0], options.quick)
+    report(options, "streaming", results)
 
 
 if __name__ == "__main__":

@@ -16,10 +16,11 @@ import signal
 import subprocess
 import sys
 import time
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from _common import ServerProcess, parser, save, show, spread
-from rpc import HOST, thriftpy2_client
+from _common import in_turns, parser, report, spread
+from _processes import HOST, ServerProcess
+from rpc import thriftpy2_client
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -48,28 +49,26 @@ def tap(port: int) -> Iterator[int]:
 def main() -> None:
     options = parser(__doc__).parse_args()
     rounds = 20 if options.quick else 400
-    times: dict[str, list[float]] = {"straight": [], "straight, once more": [], "through a tap": []}
+    names = ("straight", "straight, once more", "through a tap")
+    times: dict[str, list[float]] = {name: [] for name in names}
     with contextlib.ExitStack() as stack:
-        server = stack.enter_context(ServerProcess("rpc_server.py"))
-        port = server.endpoints["thrift"]
+        [port] = stack.enter_context(ServerProcess("controller.py")).ports
         ports = (port, port, stack.enter_context(tap(port)))
-        clients: dict[str, Any] = {
-            name: thriftpy2_client(each, stack) for name, each in zip(times, ports, strict=True)
+        clients = {
+            name: thriftpy2_client(each, stack) for name, each in zip(names, ports, strict=True)
         }
-        for number in range(rounds + 5):
-            for name, client in clients.items():
-                start = time.perf_counter()
-                for call in range(CALLS):
-                    time.sleep(max(0.0, start + call / RATE - time.perf_counter()))
-                    begin = time.perf_counter()
-                    client.get_noneblock_taskstate(1063)
-                    if number >= 5:
-                        times[name].append(time.perf_counter() - begin)
-    rows = {name: spread(each) for name, each in times.items()}
+        for name, client in in_turns(rounds + 5, clients):
+            start = time.perf_counter()
+            for call in range(CALLS):
+                time.sleep(max(0.0, start + call / RATE - time.perf_counter()))
+                begin = time.perf_counter()
+                client.get_noneblock_taskstate(1063)
+                times[name].append(time.perf_counter() - begin)
+    # the first rounds are left out
+    rows = {name: spread(each[5 * CALLS :]) for name, each in times.items()}
     straight, tapped = rows["straight"], rows["through a tap"]
     added = {key: round(tapped[key] - straight[key], 1) for key in ("p50_us", "p99_us")}
-    show(f"{rounds * CALLS} calls each", rows)
-    save(options, "tap", {"calls": rounds * CALLS, "durations": rows, "added": added})
+    report(options, "tap", {"calls": rounds * CALLS, "durations": rows, "added": added})
 
 
 if __name__ == "__main__":

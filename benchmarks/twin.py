@@ -17,24 +17,25 @@ import math
 import multiprocessing
 import pickle
 import random
+import statistics
 import time
 from collections import Counter, defaultdict
 from concurrent.futures import ProcessPoolExecutor
 from functools import cache
-from itertools import chain, repeat
+from itertools import chain, cycle, islice, repeat
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from _common import parser, save
+from _common import parser, report
 
 from aioduco.compat import DucoCobot, Op
+from aioduco.errors import DucoError
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.pose import Pose
 from aioduco.sim import Simulator
 from aioduco.sim.twin.data import Cause, Divergence, TwinCommand, TwinSample
-from aioduco.sim.twin.limits import TwinLimits, learn
+from aioduco.sim.twin.limits import TwinLimits, deviations, learn
 from aioduco.sim.twin.monitor import TwinMonitor
-from aioduco.sim.twin.predictor import Deviation, Predictor
 from aioduco.sim.twin.timeline import Timeline
 
 if TYPE_CHECKING:
@@ -111,11 +112,15 @@ def _single(values: Any) -> tuple[float, ...]:
 
 
 class Cell:
-    """One arm with its program, in made-up time."""
+    """One arm with its program, in made-up time.
+
+    Attributes:
+        arm: the arm, as it should be.
+        shown: when the change begins to show in the motion [s]; None before.
+    """
 
     def __init__(self, number: int, seed: int, change: str = "", at: float = 8.0) -> None:
-        self.arm = arm_of(MODEL)
-        true = self.arm
+        self.arm = true = arm_of(MODEL)
         if change == "geometry":
             which = random.Random(f"link {seed}").choice(("a2", "a3"))
             longer = true.geometry._replace(**{which: getattr(true.geometry, which) + 1e-3})
@@ -124,116 +129,90 @@ class Cell:
         self._change, self._at = change, at
         self._draw = random.Random(seed)
         self._sim = Simulator(true, cycle=CYCLE, seed=seed, joints=READY, speed=math.inf)
-        self._cycle = 0
-        self._samples: list[TwinSample] = []
         #: what the program has sent, with the time at which the arm gets it
         self._underway: list[tuple[float, str, tuple[Any, ...]]] = []
         self._late = 0.0
+        self._held = self._changed = False
         self.shown: float | None = 0.0 if change == "geometry" else None
-        self._changed = False
 
-    def run(self, seconds: float) -> Any:
-        """Yield lists of samples and commands as they come."""
-        with self._sim as sim:
-            client, other = DucoCobot(sim.host, sim.port), DucoCobot(sim.host, sim.port)
-            client.open(), other.open()
-            client.power_on(True), client.enable(True)
+    def run(self, seconds: float) -> Iterator[tuple[float, list[Any]]]:
+        """Give times, and the samples and commands that have come until then."""
+        sim = self._sim
+        with sim, DucoCobot(sim.host, sim.port) as client, DucoCobot(sim.host, sim.port) as other:
+            client.power_on(True)
+            client.enable(True)
             sim.lock_time()
             sim.drag(*friction(self.arm, self._number))
-            self._start = sim.time
-            sim.observe(self._seen)
-            items = self._work(sim, client, other, seconds)
-            try:
-                yield from items
-            finally:
-                sim.observe(None)
-                client.close(), other.close()
+            start, now, next_at, queue = sim.time, 0.0, 0.5, self._program()
+            while now < seconds:
+                items: list[Any] = []
+                if self._change and not self._changed and now >= self._at:
+                    self._changed = self._begin_change(other)
+                if now >= next_at and self._stands and self._free(now):
+                    function, arguments = next(queue)
+                    self._underway.append((now + self._late, function, arguments))
+                    items.append(TwinCommand(now, function, arguments, True))
+                    next_at = now + self._draw.uniform(0.03, 0.2)
+                    if self._late and self.shown is None:
+                        self.shown = now
+                while self._underway and self._underway[0][0] <= now:
+                    _, function, arguments = self._underway.pop(0)
+                    getattr(client, function)(*arguments)
+                sim.advance(EVERY)
+                now = sim.time - start
+                if self._changed and not self._late and self.shown is None and sim.moving:
+                    self.shown = now
+                yield now, [*items, self._sample(now)]
 
-    def _seen(self, snapshot: Any, _: Any) -> None:
-        """Take a sample without errors; on the simulation's thread."""
-        self._cycle += 1
-        if self._cycle % EVERY:
-            return
+    def _sample(self, now: float) -> TwinSample:
+        """A sample without errors."""
+        snapshot = self._sim._running().runtime.snapshot
         view, setpoint = snapshot.view, snapshot.setpoint
         pose = Pose.from_matrix(self._sim.arm.fkine(snapshot.q) @ view.tool.matrix)
-        self._samples.append(
-            TwinSample(
-                snapshot.time - self._start,
-                tuple(snapshot.q.tolist()),
-                tuple(snapshot.qd.tolist()),
-                tuple(setpoint.q.tolist()),
-                tuple(setpoint.qd.tolist()),
-                tuple(pose),
-                tuple(snapshot.external_torque.tolist()),
-                None,
-                int(view.robot),
-                int(view.program),
-                int(view.safety),
-                view.collision_axis,
-            )
+        q, qd, expected, expected_speeds, external = (
+            tuple(each.tolist())
+            for each in (snapshot.q, snapshot.qd, setpoint.q, setpoint.qd, snapshot.external_torque)
         )
+        axis, states = view.collision_axis, (int(view.robot), int(view.program), int(view.safety))
+        moved = (q, qd, expected, expected_speeds, tuple(pose))
+        return TwinSample(now, *moved, external, None, *states, axis)
 
-    def _work(self, sim: Simulator, client: DucoCobot, other: DucoCobot, seconds: float) -> Any:
-        now, next_at, queue = 0.0, 0.5, self._program()
-        while now < seconds:
-            items: list[Any] = []
-            if not self._changed and now >= self._at and self._change:
-                self._changed = self._begin_change(sim, other)
-            idle = not sim.moving and not self._underway
-            if now >= next_at and idle and self._free(now):
-                function, arguments = next(queue)
-                self._underway.append((now + self._late, function, arguments))
-                items.append(TwinCommand(now, function, arguments, True))
-                next_at = now + self._draw.uniform(0.03, 0.2)
-                if self._changed and self._change == "delay" and self.shown is None:
-                    self.shown = now
-            while self._underway and self._underway[0][0] <= now:
-                _, function, arguments = self._underway.pop(0)
-                getattr(client, function)(*arguments)
-            sim.advance(EVERY)
-            now = sim.time - self._start
-            self._note_shown(sim, now)
-            items += self._samples
-            self._samples.clear()
-            yield now, items
+    @property
+    def _stands(self) -> bool:
+        return not self._sim.moving and not self._underway
 
     def _free(self, now: float) -> bool:
         """Whether the program may move: the second client waits for a rest of it."""
         return not (self._change == "second client" and self._at - 0.3 < now < self._at + 2.0)
 
-    def _begin_change(self, sim: Simulator, other: DucoCobot) -> bool:
-        draw = self._draw
-        if self._change == "payload":
-            if self._held:
-                return False  # the plant carries what the program set, until it is told otherwise
-            sim.load(0.5, (0.0, 0.0, 0.05))
-        elif self._change == "lost part":
-            if not self._held:
+    def _begin_change(self, other: DucoCobot) -> bool:
+        """Make the change, if this is a moment for it."""
+        draw, sim = self._draw, self._sim
+        match self._change:
+            case "geometry":
+                pass  # from the beginning
+            # the plant carries what the program set, until it is told otherwise
+            case "payload" if not self._held:
+                sim.load(0.5, (0.0, 0.0, 0.05))
+            case "lost part" if self._held:
+                sim.load(0.0)
+            case "friction":
+                sim.drag(*friction(self.arm, self._number, 1.3))
+            case "contact":
+                way = np.array([draw.gauss(0.0, 1.0) for _ in range(3)])
+                sim.push([*(10.0 * way / np.linalg.norm(way)).tolist(), 0.0, 0.0, 0.0])
+            case "second client" if self._stands:
+                goal = [angle + draw.uniform(-0.4, 0.4) for angle in sim.joints]
+                other.movej2(goal, draw.uniform(0.3, 1.0), 1.0, 0.0, False, Op(), False)
+            case "delay":
+                self._late = draw.uniform(0.1, 0.3)
+            case _:
                 return False
-            sim.load(0.0)
-        elif self._change == "friction":
-            sim.drag(*friction(self.arm, self._number, 1.3))
-        elif self._change == "contact":
-            way = np.array([draw.gauss(0.0, 1.0) for _ in range(3)])
-            sim.push([*(10.0 * way / np.linalg.norm(way)).tolist(), 0.0, 0.0, 0.0])
-        elif self._change == "second client":
-            if sim.moving or self._underway:
-                return False
-            goal = [angle + draw.uniform(-0.4, 0.4) for angle in sim.joints]
-            other.movej2(goal, draw.uniform(0.3, 1.0), 1.0, 0.0, False, Op(), False)
-        elif self._change == "delay":
-            self._late = draw.uniform(0.1, 0.3)
         return True
-
-    def _note_shown(self, sim: Simulator, now: float) -> None:
-        """Note when the change begins to show in the motion."""
-        if self.shown is None and self._changed and self._change != "delay" and sim.moving:
-            self.shown = now
 
     def _program(self) -> Any:
         """Pick and place at random places, in joints and along lines."""
         draw, arm = self._draw, self.arm
-        self._held = False
         while True:
             near = [angle + draw.uniform(-0.5, 0.5) for angle in READY]
             near[0] = draw.uniform(-1.2, 1.2)
@@ -244,7 +223,7 @@ class Cell:
             down[2, 3] -= draw.uniform(0.05, 0.12)
             try:
                 arm.ikine(down, near)
-            except Exception:
+            except DucoError:
                 continue
             speed, fast = draw.uniform(0.1, 0.3), draw.uniform(0.5, 1.5)
             there, back = (list(Pose.from_matrix(each)) for each in (down, above))
@@ -278,14 +257,8 @@ def heard(monitor: TwinMonitor, item: Item) -> list[Divergence]:
 def limits(number: int) -> TwinLimits:
     """Limits from a good run of 100 s on one arm."""
     cell = Cell(number, 90_000 + number)
-    predictor = Predictor(cell.arm, TOOL)
-    good: list[Deviation] = []
-    for _, item in received(cell, 100.0, Noise(90_000 + number)):
-        if isinstance(item, TwinCommand):
-            predictor.command(item)
-        else:
-            good.append(predictor.deviation(item))
-    return learn(cell.arm, good)
+    items = (item for _, item in received(cell, 100.0, Noise(90_000 + number)))
+    return learn(cell.arm, deviations(cell.arm, items, TOOL))
 
 
 class Watched(NamedTuple):
@@ -353,58 +326,53 @@ def main() -> None:
     given = options.parse_args()
     if given.quick:
         given.runs, given.hours = 2, 0.02
-    changes = [list(CHANGES)[count % len(CHANGES)] for count in range(given.runs)]
+    changes = list(islice(cycle(CHANGES), given.runs))
     arms = [count % ARMS for count in range(given.runs)]
     seeds = range(1000, 1000 + given.runs)
     block = min(0.1, given.hours / DRAWS)
     blocks = range(round(given.hours / DRAWS / block) if block else 0)
-    confusion: dict[str, Counter[str]] = defaultdict(Counter)
-    times: dict[str, list[float]] = defaultdict(list)
-    false_runs, false, costs = 0, 0, [0.0]
     # Processes that start anew: the simulators' threads would not be in a fork.
     with ProcessPoolExecutor(given.jobs, multiprocessing.get_context("spawn")) as pool:
+        others = [seed + 500 for seed in seeds]
         with_change = pool.map(watched, arms, seeds, changes, repeat(40.0))
-        without = pool.map(watched, arms, [seed + 500 for seed in seeds], repeat(""), repeat(12.0))
+        without = pool.map(watched, arms, others, repeat(""), repeat(12.0))
         ordered = pool.map(hour_in_good_order, [n % ARMS for n in blocks], blocks, repeat(block))
-        for count, run in enumerate(with_change):
-            confusion[run.change][run.cause] += 1
-            if run.first is not None and run.shown is not None:
-                times[run.change].append(run.at - run.shown)
-            if run.cause != CHANGES[run.change].value or run.early:
-                print(f"{run.change}, run {count}: {run.first}, early {run.early}", flush=True)
-        for count, run in enumerate(without):
-            if run.early:
-                false_runs += 1
-                print(f"no change, run {count}: {run.first}", flush=True)
-        for count, order in enumerate(chain.from_iterable(ordered)):
-            costs.append(order.cost)
-            false += len(order.found)
-            for divergence in order.found:
-                print(f"false alarm in hour {(count + 1) * block:.2f}: {divergence}", flush=True)
+        runs, good, orders = [*with_change], [*without], [*chain.from_iterable(ordered)]
+    false_runs = [run for run in good if run.early]
+    false = [divergence for order in orders for divergence in order.found]
+    right = [run for run in runs if run.cause == CHANGES[run.change].value]
+    odd = [run for run in runs if run not in right or run.early]
+    print("what a twin should not have said:", *odd, *false_runs, *false, sep="\n")
+    confusion: dict[str, Counter[str]] = defaultdict(Counter)
+    times: dict[str, list[float]] = defaultdict(list)
+    for run in runs:
+        confusion[run.change][run.cause] += 1
+        if run.first is not None and run.shown is not None:
+            times[run.change].append(run.at - run.shown)
     result = {
         "command": f"python benchmarks/twin.py --runs {given.runs} --hours {given.hours:g} "
         f"--jobs {given.jobs} --save",
         "runs with a change": given.runs,
-        "seen": given.runs - sum(row["not seen"] for row in confusion.values()),
+        "seen": sum(run.first is not None for run in runs),
         "seen within 0.5 s of showing": sum(each <= 0.5 for row in times.values() for each in row),
-        "cause named right": sum(row[CHANGES[name].value] for name, row in confusion.items()),
+        "cause named right": len(right),
         "runs without a change": given.runs,
-        "of these with an alarm": false_runs,
+        "of these with an alarm": len(false_runs),
         "hours in good order": round(block * DRAWS * len(blocks), 2),
         "of different work": round(block * len(blocks), 2),
-        "false alarms in these": false,
-        "share of a processor at 125 Hz": round(125.0 * float(np.median(costs)), 3),
+        "false alarms in these": len(false),
+        "share of a processor at 125 Hz": round(
+            125.0 * statistics.median([order.cost for order in orders] or [0.0]), 3
+        ),
         "confusion: hidden change, named cause": {
             change: dict(row) for change, row in confusion.items()
         },
         "time until it was said [s]": {
-            change: {"p50": round(float(np.median(row)), 3), "max": round(max(row), 3)}
+            change: {"p50": round(statistics.median(row), 3), "max": round(max(row), 3)}
             for change, row in times.items()
         },
     }
-    for name, value in result.items():
-        print(f"{name}: {value}")
-    save(given, "twin", result)
+    report(given, "twin", result)
 
 
 if __name__ == "__main__":

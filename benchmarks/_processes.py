@@ -1,0 +1,146 @@
+"""Processes that benchmarks measure, and clients of them below the SDK."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import subprocess
+import sys
+import time
+from typing import TYPE_CHECKING, Any
+
+import anyio
+from _common import CORES, HERE
+
+from aioduco._wire import codec, idl
+from aioduco._wire.connection import Connection
+from aioduco._wire.lane import WireLane
+from aioduco._wire.rpc import RpcClient
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Iterator
+    from typing import Self
+
+    from aioduco import Robot
+
+HOST = "127.0.0.1"
+
+
+def processor_time(pid: int) -> float:
+    """Seconds of processor time that a process has used: the clock of clock_getcpuclockid(3)."""
+    return time.clock_gettime(~pid << 3 | 2)
+
+
+@contextlib.contextmanager
+def core_of_its_own() -> Iterator[None]:
+    """What starts in the block gets a core that this thread does not use, if there are two.
+
+    A controller is another machine. When the scheduler puts both on one core, a direct call
+    takes a third of the time and nothing that is compared here means anything.
+    """
+    *ours, theirs = CORES
+    os.sched_setaffinity(0, {theirs})
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, ours or CORES)
+
+
+class Program:
+    """A program of Python in a process of its own, which reads and writes lines.
+
+    It ends when its standard input is closed, so it cannot outlive the benchmark.
+    """
+
+    def __init__(self, *arguments: str, quiet: bool = False) -> None:
+        self.process = subprocess.Popen(
+            [sys.executable, *arguments],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL if quiet else None,
+            text=True,
+        )
+
+    def __enter__(self) -> Self:
+        return self
+
+    def line(self) -> str:
+        """The next line that it writes."""
+        assert self.process.stdout is not None
+        line = self.process.stdout.readline()
+        if not line:
+            raise RuntimeError(f"{self.process.args!r} ended before it answered")
+        return line
+
+    def ask(self, line: str) -> str:
+        """Write a line, and return the one that it answers by."""
+        assert self.process.stdin is not None
+        self.process.stdin.write(f"{line}\n")
+        self.process.stdin.flush()
+        return self.line()
+
+    def end(self) -> str:
+        """Close its standard input; the rest of what it writes until it has ended."""
+        assert self.process.stdin is not None
+        assert self.process.stdout is not None
+        with self.process:
+            self.process.stdin.close()
+            return self.process.stdout.read()
+
+    def __exit__(self, *_: object) -> None:
+        if self.process.returncode is None:
+            self.end()
+
+
+class ServerProcess(Program):
+    """A script that serves on a core of its own, and says where by one line of JSON."""
+
+    def __init__(self, script: str, *options: str) -> None:
+        with core_of_its_own():
+            super().__init__(str(HERE / script), *options)
+        self.endpoints: dict[str, Any] = json.loads(self.line())
+
+    @property
+    def ports(self) -> list[int]:
+        """Where it speaks the wire."""
+        ports: list[int] = self.endpoints["ports"]
+        return ports
+
+
+@contextlib.contextmanager
+def client(port: int) -> Iterator[RpcClient]:
+    """A connection whose calls block."""
+    with contextlib.closing(Connection(HOST, port)) as connection:
+        connection.open()
+        yield RpcClient(lambda name, args: connection.call(name, args, 60.0))
+
+
+@contextlib.asynccontextmanager
+async def open_lane(port: int) -> AsyncIterator[WireLane]:
+    """A lane, whose calls are awaited."""
+    async with contextlib.aclosing(WireLane("benchmark", HOST, port)) as lane:
+        await lane.open()
+        yield lane
+
+
+def call_bytes(name: str, *args: Any) -> bytes:
+    """The bytes of a call."""
+    function = idl.functions()[name]
+    return codec.message(function, 1, codec.encode(function, args))
+
+
+def guard_of(robot: Robot) -> int | None:
+    """The process that guards an open robot; None if there is none."""
+    seat = robot._supervisor.guard
+    return None if seat is None else seat.pid
+
+
+async def first_stop(lane: WireLane, begin: float) -> float:
+    """When a controller was first told to stop after `begin`, or stopped by itself."""
+    with anyio.fail_after(30.0):
+        while True:
+            after = [at for at in await lane.rpc.get_system_value_list("stops") if at >= begin]
+            if after:
+                return min(after)
+            await anyio.sleep(0.005)
