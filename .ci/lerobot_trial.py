@@ -24,7 +24,7 @@ from aioduco.sim import Simulator
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "benchmarks"))
 from _common import write_results
-from _streaming import Lateness, bare_loop
+from streaming import Lateness, bare_loop
 
 READY = [0.0, 0.0, 1.57, 0.0, -1.57, 0.0]
 FAR = [0.3, 0.1, 1.45, 0.1, -1.5, 0.3]

@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING, Any
 import anyio
 from _common import CORES, in_turns, parser, report, spread
 from _processes import HOST, Program, ServerProcess, first_stop, guard_of, open_lane
-from _streaming import load
+from streaming import load
 
 import aioduco
 from aioduco._wire import rpc

@@ -8,7 +8,7 @@ which nothing is found within 1 s of processor time counts as unsolved if the sa
 second one with another seed, finds a way within `PATIENCE`; if neither does, it is not known to be
 solvable, and another query takes its place. Each plan is checked closely (0.2°, 1 mm), and its
 trajectory is followed by the simulator's arm, step by step. `movej2` is the straight way of the
-joints to the nearest free solution of the same pose, looked at as closely. Times are processor time
+joints to the nearest free solution of the same pose, looked at each mrad. Times are processor time
 of the planner's process.
 
 The duration of each fifth plan is compared, on the same curve of the joints, with the best that is
@@ -30,6 +30,7 @@ from aioduco.errors import NoPathFound
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.rotation import matrix_from_rpy
 from aioduco.planning import Planner, Scene, time_law, timing
+from aioduco.planning.search import straight
 from aioduco.planning.spline import BSpline
 from aioduco.planning.timing import timed
 from aioduco.sim.physics.world import World
@@ -119,16 +120,12 @@ def slot(r: float) -> Setting:
 SCENES: dict[str, Callable[[float], Setting]] = {"wall": wall, "shelf": shelf, "slot": slot}
 
 
-class Query(NamedTuple):
-    start: Joints
-    goal: Pose
-    direct: Joints
+def draw(
+    arm: Arm, setting: Setting, checker: CollisionChecker, random: Any
+) -> tuple[Points, Pose, Points]:
+    """A start and a goal that are free and within reach, and the goal's nearest free solution."""
 
-
-def draw(arm: Arm, setting: Setting, checker: CollisionChecker, random: Any) -> Query:
-    """A query whose start and goal are free and within reach."""
-
-    def free(side: Side, near: Points) -> tuple[Pose, list[Points]]:
+    def free(side: Side, near: Points) -> tuple[Pose, Points]:
         while True:
             pose = np.eye(4)
             tilt = random.uniform(-side.tilt, side.tilt, 3)
@@ -136,24 +133,11 @@ def draw(arm: Arm, setting: Setting, checker: CollisionChecker, random: Any) -> 
             pose[:3, 3] = random.uniform(np.array(side.low), np.array(side.high)) * arm.reach
             found = [q for q in arm.ikine_all(pose) if checker.free(q)]
             if found:
-                return Pose.from_matrix(pose), sorted(found, key=lambda q: np.abs(q - near).sum())
+                return Pose.from_matrix(pose), min(found, key=lambda q: np.abs(q - near).sum())
 
     home = np.array([0.0, 0.0, 0.5 * np.pi, 0.0, -0.5 * np.pi, 0.0])
-    start = free(setting.start, home)[1][0]
-    pose, goals = free(setting.goal, start)
-    return Query(Joints.of(start), pose, Joints.of(goals[0]))
-
-
-def straight_collides(checker: CollisionChecker, query: Query) -> bool:
-    """Whether plain movej2 to the goal's nearest free solution would touch something."""
-    start, goal = query.start.array, query.direct.array
-    count = int(np.ceil(np.abs(goal - start) @ checker.radii / 0.001)) + 1
-    checker.padding = 0.0
-    try:
-        shares = np.linspace(0.0, 1.0, count)[:, None]
-        return not all(checker.free(q) for q in start + shares * (goal - start))
-    finally:
-        checker.padding = 0.005
+    start = free(setting.start, home)[1]
+    return start, *free(setting.goal, start)
 
 
 def touches(world: World, plan: Plan) -> str:
@@ -190,6 +174,10 @@ def measure(arm: Arm, setting: Setting, number: int) -> dict[str, Any]:
     scene = Scene(arm, setting.things)
     checker = scene.checker()
     world = World(arm, scene=mjcf_of(setting.things, free=False))
+
+    def untouched(q: Points) -> bool:
+        return not scene.collides(Joints.of(q))
+
     took: list[float] = []
     shares: list[float] = []
     late = obstructed = touched = collided = dropped = 0
@@ -197,11 +185,11 @@ def measure(arm: Arm, setting: Setting, number: int) -> dict[str, Any]:
         planner.plan_blocking(Joints.of([0.0] * 6), Joints.of([0.1] + [0.0] * 5))  # starts it
         done = 0
         while done < number:
-            query = draw(arm, setting, checker, random)
+            start, goal, direct = draw(arm, setting, checker, random)
             plan = None
             for each in (planner, other):
                 with contextlib.suppress(NoPathFound):
-                    plan = each.plan_blocking(query.start, query.goal, v=V, a=A, timeout=PATIENCE)
+                    plan = each.plan_blocking(start, goal, v=V, a=A, timeout=PATIENCE)
                     break
             if plan is None:
                 dropped += 1
@@ -213,7 +201,7 @@ def measure(arm: Arm, setting: Setting, number: int) -> dict[str, Any]:
                 shares.append(compared(plan))
             obstructed += not plan.check(scene)
             touched += bool(touches(world, plan))
-            collided += straight_collides(checker, query)
+            collided += not straight(untouched, start, direct, 0.001)
     return {
         "queries": number,
         "solved_in_1_s_percent": round(100.0 * (number - late) / number, 1),

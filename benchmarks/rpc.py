@@ -94,18 +94,11 @@ def load(burning: bool) -> Iterator[None]:
     """One process for each core that does nothing but burn, or none."""
     with contextlib.ExitStack() as stack:
         for core in CORES if burning else ():
-            program = stack.enter_context(Program("-c", _BURN))
+            program = stack.enter_context(Program("-c", "while True: pass"))
+            stack.callback(program.process.kill)
             os.sched_setaffinity(program.process.pid, {core})
             os.sched_setscheduler(program.process.pid, os.SCHED_OTHER, os.sched_param(0))
         yield
-
-
-_BURN = """
-import os, sys, threading
-threading.Thread(target=lambda: (sys.stdin.read(), os._exit(0)), daemon=True).start()
-while True:
-    pass
-"""
 
 
 def thriftpy2_client(port: int, stack: contextlib.ExitStack) -> Any:

@@ -14,18 +14,20 @@ how long a stop waits that comes in the middle.
 from __future__ import annotations
 
 import contextlib
+import math
 import threading
 import time
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import simulation_planning
 from _common import at_least, at_most, parser, percentile, report
 from _processes import ServerProcess, client, processor_time
 
 from aioduco._wire.rpc import Op
 from aioduco.kinematics import Arm, arm
+from aioduco.models.pose import Pose
+from aioduco.sim import Simulator
 from aioduco.sim.cycle import SensedState
 from aioduco.sim.force.control import AdmittanceLaw, ForceControl
 from aioduco.sim.force.sensor import ForceAxes
@@ -34,10 +36,15 @@ from aioduco.sim.planner.mover import Mover
 from aioduco.sim.planner.segments import joint_move
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from aioduco._wire.rpc import RpcClient
     from aioduco.sim.planner.path import JointSetPoint
+
+    #: asks for a motion that takes long to plan, without waiting for its end
+    Ask = Callable[[RpcClient], object]
+
+Rows = dict[str, dict[str, Any]]
 
 #: what is asked for: of a core, of real time, calls a second
 SHARE, TIMES, CALLS = 0.15, 20.0, 5000.0
@@ -51,6 +58,11 @@ PUSH, DAMPING = 5.0, 1e4
 HOME = np.radians([0.0, 0.0, 90.0, 0.0, -90.0, 0.0])
 WAY = np.array([1.0, 0.3, -0.3, 0.2, 0.3, 0.5])
 CYCLE = 0.001
+#: of what others wait for while a motion is planned, asked for at most [ms]
+WAIT = 2.0
+#: a line along y [m] with so many swings of a weave, whose shapes have these numbers
+LENGTH, SWINGS = 0.3, 300
+SHAPES = {"triangle": 1, "sine": 2, "circle": 3, "trapezoid": 4, "eight": 5}
 
 
 # -- a simulator in a process of its own ---------------------------------------------------------
@@ -155,14 +167,12 @@ class GivingWay:
         return drives
 
 
-def cycles(any_arm: Arm, repeats: int, *, forced: bool = False) -> dict[str, Any]:
-    """Go to and fro; the costs of ticks and steps together, and of steps alone.
+def cycles(repeats: int, *, forced: bool) -> dict[str, Any]:
+    """Go to and fro so often; the costs of ticks and steps together, and of steps alone.
 
-    Args:
-        any_arm: the arm.
-        repeats: how often.
-        forced: whether force control gives way meanwhile, which counts as part of the tick.
+    Force control that gives way meanwhile, if it is asked for, counts as part of the tick.
     """
+    any_arm = arm(MODEL)
     both: list[float] = []
     steps: list[float] = []
     for _ in range(repeats):
@@ -188,48 +198,159 @@ def cycles(any_arm: Arm, repeats: int, *, forced: bool = False) -> dict[str, Any
     }
 
 
-# -- all of it -----------------------------------------------------------------------------------
+# -- long plans: how long others wait while a motion is planned ----------------------------------
 
 
-def judged(
-    clock: dict[str, dict[str, float]], calls: int, cycle: dict[str, dict[str, Any]]
-) -> dict[str, dict[str, Any]]:
-    """What is asked for of the simulator, and what was found."""
-    rows: dict[str, dict[str, Any]] = {}
-    for case, model in (("", MODEL), ("force control, ", f"{MODEL}, force control")):
-        alone = cycle[model]["both_us"]
-        kept = round(alone / clock[f"{case}without the clock"]["cpu_per_cycle_us"], 2)
-        name = f"{case}without the clock, of the speed of tick and step alone"
-        rows[name] = at_least(KEPT, kept)
-        times = round(clock[f"{case}in real time"]["cpu_per_cycle_us"] / alone, 2)
-        rows[f"{case}in real time, times tick and step alone"] = at_most(WAKING, times)
-    share, fast = clock["in real time"]["core_percent"], clock["without the clock"]["x_real_time"]
-    return rows | {
-        "one arm at 1 kHz in real time, % of a core": at_most(100 * SHARE, share),
-        "without the clock, server included, times real time": at_least(TIMES, fast),
-        "calls a second to one client while moving": at_least(CALLS, calls),
+class WatchedLock:
+    """A lock that notes how much its holder works while it is held [s]: it is never waited in."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._since = 0.0
+        self.held: list[float] = []
+
+    def acquire(self) -> bool:
+        self._lock.acquire()
+        self._since = time.thread_time()
+        return True
+
+    def release(self) -> None:
+        self.held.append(time.thread_time() - self._since)
+        self._lock.release()
+
+    __enter__ = acquire
+
+    def __exit__(self, *_: object) -> None:
+        self.release()
+
+
+def line(start: Pose, robot: RpcClient) -> None:
+    robot.movel(list(start.shifted(y=LENGTH)), 0.02, 1.0, 0.0, [], "", "", False, Op(), False)
+
+
+def spline(start: Pose, robot: RpcClient) -> None:
+    ways = ((0.02 * math.sin(0.5 * i), LENGTH * i / 50) for i in range(1, 51))
+    poses = [list(start.shifted(x=x, y=y)) for x, y in ways]
+    robot.spline(poses, 0.1, 1.0, "", "", False, Op(), 0.0, False)
+
+
+def spiral(start: Pose, robot: RpcClient) -> None:
+    """A hundred turns."""
+    centre, ways = list(start.shifted(x=0.05)), (100.0, 0.05, 0.01, 0)
+    robot.move_spiral(centre, list(start), *ways, 0.1, 1.0, [], "", "", False, Op(), False)
+
+
+def chain(start: Pose, robot: RpcClient) -> None:
+    """Fifty short lines that blend, one behind the other."""
+    for i in range(1, 51):
+        pose = list(start.shifted(x=0.01 * (i % 2), y=LENGTH * i / 50))
+        robot.movel(pose, 0.1, 1.0, 0.002, [], "", "", False, Op(), False)
+
+
+def asks(port: int, quick: bool) -> Iterator[Ask]:
+    """Enable the arm, and give what asks for each motion."""
+    with client(port) as robot:
+        robot.power_on(True)
+        robot.enable(True)
+        start = Pose.of(robot.get_tcp_pose())
+        for name, shape in SHAPES.items():
+            if not quick or name in ("sine", "trapezoid"):
+                swings: Any = (SWINGS * 0.02 / LENGTH, 0.004, 0.0, 0.0, 0.0, [0, 0], False, [])
+                robot.combine_motion_config(shape, 0, *swings)
+                robot.enable_combine_motion()
+                yield partial(line, start)
+                robot.disable_combine_motion()
+        for motion in (spline, spiral, chain):
+            yield partial(motion, start)
+
+
+def longest_held(quick: bool) -> float:
+    """The longest that the controller's lock was held while a motion was planned [s]."""
+    with Simulator() as sim:
+        runtime: Any = sim._running().runtime
+        runtime._lock = runtime.planning._lock = lock = WatchedLock()
+        longest = 0.0
+        for ask in asks(sim.port, quick):
+            with client(sim.port) as robot:
+                lock.held.clear()
+                ask(robot)
+                longest = max(longest, *lock.held)
+                robot.stop(True)
+        return longest
+
+
+def longest_stops(quick: bool) -> tuple[float, float]:
+    """The longest that a stop waited while a motion was planned, and while none was [s]."""
+    count = 5 if quick else 20
+    waits: list[float] = []
+    idle: list[float] = []
+
+    def stop() -> float:
+        began = time.perf_counter()
+        robot.stop(False)
+        return time.perf_counter() - began
+
+    def alone(ask: Ask) -> None:
+        with client(sim.port) as other:  # no other thread may use this connection
+            ask(other)
+
+    with Simulator.spawn() as sim, client(sim.port) as robot:
+        for ask in asks(sim.port, quick):
+            began = time.perf_counter()
+            alone(ask)
+            took = time.perf_counter() - began
+            robot.stop(True)
+            # at as many moments of planning
+            for number in range(count):
+                asking = threading.Thread(target=alone, args=(ask,))
+                asking.start()
+                time.sleep(took * (number + 0.5) / count)
+                waits.append(stop())
+                asking.join()
+                robot.stop(True)
+                time.sleep(0.05)
+                idle.append(stop())
+    return max(waits), max(idle)
+
+
+def judged_plans(quick: bool) -> Rows:
+    """What is asked for of long plans, and what was found; beside it, what the machine does."""
+    lock = round(1e3 * longest_held(quick), 3)
+    planning, idle = (round(1e3 * each, 3) for each in longest_stops(quick))
+    return {
+        "longest under the lock while planning [ms]": at_most(WAIT, lock),
+        "longest stop while planning [ms]": at_most(WAIT, planning),
+        "longest stop while nothing is planned [ms]": {"asked": "", "found": idle, "reached": ""},
     }
+
+
+# -- all of it -----------------------------------------------------------------------------------
 
 
 def main() -> None:
     options = parser(__doc__).parse_args()
-    waits = simulation_planning.measure(options.quick)
+    plans = judged_plans(options.quick)
     seconds, repeats = (2.0, 1) if options.quick else (15.0, 3)
-    clock = {
-        "in real time": share("1", seconds),
-        "without the clock": share("inf", seconds),
-        "force control, in real time": share("1", seconds, forced=True),
-        "force control, without the clock": share("inf", seconds, forced=True),
+    clock: Rows = {}
+    cycle: Rows = {}
+    asked: Rows = {}
+    for case, forced in (("", False), ("force control, ", True)):
+        real = clock[f"{case}in real time"] = share("1", seconds, forced=forced)
+        free = clock[f"{case}without the clock"] = share("inf", seconds, forced=forced)
+        own = cycle[f"{MODEL}, force control" if forced else MODEL] = cycles(repeats, forced=forced)
+        kept = round(own["both_us"] / free["cpu_per_cycle_us"], 2)
+        name = f"{case}without the clock, of the speed of tick and step alone"
+        asked[name] = at_least(KEPT, kept)
+        times = round(real["cpu_per_cycle_us"] / own["both_us"], 2)
+        asked[f"{case}in real time, times tick and step alone"] = at_most(WAKING, times)
+    usage, fast = clock["in real time"]["core_percent"], clock["without the clock"]["x_real_time"]
+    calls = calls_a_second(seconds)
+    asked |= {
+        "one arm at 1 kHz in real time, % of a core": at_most(100 * SHARE, usage),
+        "without the clock, server included, times real time": at_least(TIMES, fast),
+        "calls a second to one client while moving": at_least(CALLS, calls),
     }
-    cycle = {
-        MODEL: cycles(arm(MODEL), repeats),
-        f"{MODEL}, force control": cycles(arm(MODEL), repeats, forced=True),
-    }
-    tables = {
-        "asked_for": judged(clock, calls_a_second(seconds), cycle) | waits,
-        "clock": clock,
-        "cycles": cycle,
-    }
+    tables = {"asked_for": asked | plans, "clock": clock, "cycles": cycle}
     report(options, "simulation", tables)
 
 
