@@ -19,7 +19,6 @@ import json
 import os
 import random
 import signal
-import threading
 import time
 from collections import defaultdict
 from functools import partial
@@ -33,6 +32,7 @@ from streaming import load
 import aioduco
 from aioduco._wire import rpc
 from aioduco.models.enums import TaskState
+from aioduco.testing import eventually_async
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -50,7 +50,7 @@ TURNS = 5
 SPEED, ACCELERATION = 1.0, 100.0
 MOVEL: tuple[Any, ...] = ([0.5, 0, 0.5, 0, 0, 0], 0.1, 1.0, 0.0, [], "", "", False, rpc.Op(), False)
 
-Figures = dict[str, Any]
+Figures = dict[str, dict[str, float]]
 Times = dict[str, list[float]]
 
 
@@ -80,23 +80,22 @@ class Desk:
 
     async def stop_now(self) -> float:
         """`stop_now` from another thread, since the loop's own may be at work."""
-        begun: list[float] = []
-        done = threading.Event()
 
-        def call() -> None:
-            begun.append(time.monotonic())
+        def call() -> float:
+            begin = time.monotonic()
             self.robot.stop_now()
-            done.set()
+            return begin
 
-        threading.Thread(target=call).start()
-        while not done.is_set():  # noqa: ASYNC110  # the bell would be what is measured
-            await anyio.sleep(0.001)
-        return begun[0]
+        return await anyio.to_thread.run_sync(call)
 
     async def broken(self) -> float:
         """Every connection breaks just before the stop."""
         self.server.ask("drop")
         return await self.stop()
+
+
+def spreads(late: Times, count: str) -> Figures:
+    return {case: spread(times, count) for case, times in late.items()}
 
 
 async def stops(desk: Desk, count: int, send: Callable[[], Awaitable[float]]) -> list[float]:
@@ -109,25 +108,23 @@ async def stops(desk: Desk, count: int, send: Callable[[], Awaitable[float]]) ->
     return late
 
 
-async def latencies(desk: Desk, count: int) -> Times:
-    late: Times = {}
+async def latencies(desk: Desk, late: Times, count: int) -> None:
+    """Stop so often in each case; the times are added to those of the turns before."""
     await stops(desk, 3, desk.stop)  # the turn before has broken the lane's connection
-    late["idle"] = await stops(desk, count, desk.stop)
+    late["idle"] += await stops(desk, count, desk.stop)
     async with anyio.create_task_group() as tasks:
         for _ in range(68):
             tasks.start_soon(desk.robot.io.set_standard_digital_out, 1, True)
-        while desk.robot.statistics().lanes["call"].waiting < 64:  # noqa: ASYNC110
-            await anyio.sleep(0.001)
-        late["pool blocked, 64 calls waiting"] = await stops(desk, count, desk.stop)
+        await eventually_async(lambda: desk.robot.statistics().lanes["call"].waiting >= 64)
+        late["pool blocked, 64 calls waiting"] += await stops(desk, count, desk.stop)
         tasks.cancel_scope.cancel()
     async with load(busy=True):
-        late["loop in bursts of 15 ms: stop()"] = await stops(desk, count, desk.stop)
-        late["loop in bursts of 15 ms: stop_now()"] = await stops(desk, count, desk.stop_now)
-    late["every connection broken just before"] = await stops(desk, count, desk.broken)
-    return late
+        late["loop in bursts of 15 ms: stop()"] += await stops(desk, count, desk.stop)
+        late["loop in bursts of 15 ms: stop_now()"] += await stops(desk, count, desk.stop_now)
+    late["every connection broken just before"] += await stops(desk, count, desk.broken)
 
 
-async def compared(lane: WireLane, server: ServerProcess, count: int) -> dict[str, Times]:
+async def compared(lane: WireLane, server: ServerProcess, count: int) -> dict[str, Figures]:
     """One robot is open at a time: what another one does in this program would count."""
     late: dict[str, Times] = {name: defaultdict(list) for name in KINDS}
     for name, guard in in_turns(TURNS, KINDS):
@@ -138,10 +135,8 @@ async def compared(lane: WireLane, server: ServerProcess, count: int) -> dict[st
                 # beside the program, not on its core alone: it is to be free of it
                 for thread in os.listdir(f"/proc/{pid}/task"):  # noqa: PTH208
                     os.sched_setaffinity(int(thread), CORES)
-            found = await latencies(Desk(robot, lane, server), count // TURNS)
-        for case, times in found.items():
-            late[name][case] += times
-    return late
+            await latencies(Desk(robot, lane, server), late[name], count // TURNS)
+    return {name: spreads(times, "stops") for name, times in late.items()}
 
 
 # -- the end of a motion -----------------------------------------------------------------------
@@ -189,7 +184,7 @@ async def polled(desk: Desk) -> float:
     return time.monotonic() - await desk.end(task_id)
 
 
-async def ends(desk: Desk, count: int) -> dict[str, Figures]:
+async def ends(desk: Desk, count: int) -> Figures:
     cases: dict[str, Callable[[Desk], Awaitable[float]]] = {
         "aioduco, end expected (movej2)": joint_move,
         "aioduco, end not expected (movel)": unexpected,
@@ -205,10 +200,10 @@ async def ends(desk: Desk, count: int) -> dict[str, Figures]:
         # A motion also takes a call before it and one after it; beside the robot, its start.
         own = desk.lane.statistics().calls - others - (2 if "aioduco" in name else 3)
         asked[name] += desk.robot.statistics().polls - polls + own
-    return {
-        name: spread(times, "motions") | {"polls_each": round(asked[name] / count, 1)}
-        for name, times in late.items()
-    }
+    figures = spreads(late, "motions")
+    for name, polls in asked.items():
+        figures[name]["polls_each"] = round(polls / count, 1)
+    return figures
 
 
 # -- deaths ------------------------------------------------------------------------------------
@@ -265,7 +260,7 @@ class Victim(Program):
         return begin
 
 
-async def deaths(lane: WireLane, guard: GuardKind | None, count: int) -> Times:
+async def deaths(lane: WireLane, guard: GuardKind | None, count: int) -> Figures:
     cases: dict[str, Callable[[Victim], float]] = {
         "program killed": Victim.die,
         f"event loop hangs, limit {STALL_LIMIT:g} s": Victim.hang,
@@ -280,7 +275,7 @@ async def deaths(lane: WireLane, guard: GuardKind | None, count: int) -> Times:
             await anyio.sleep(rng.uniform(0.0, HEARTBEAT))
             begin = case(victim)
             late[name].append(await first_stop(lane, begin) - begin)
-    return late
+    return spreads(late, "times")
 
 
 # -- all of it ---------------------------------------------------------------------------------
@@ -292,17 +287,9 @@ async def measure(server: ServerProcess, quick: bool) -> dict[str, Any]:
         stop = await compared(lane, server, 300 if quick else 1000)
         async with aioduco.connect(HOST, port, call_timeout=600.0) as robot:
             end = await ends(Desk(robot, lane, server), 15 if quick else 100)
-        death = {
-            name: await deaths(lane, guard, 2 if quick else 20) for name, guard in KINDS.items()
-        }
-    figures = {
-        key: {
-            name: {case: spread(seconds, count) for case, seconds in cases.items()}
-            for name, cases in times.items()
-        }
-        for key, count, times in (("stop", "stops", stop), ("death", "times", death))
-    }
-    return figures | {"end": end}
+        kinds, times = KINDS.items(), 2 if quick else 20
+        death = {name: await deaths(lane, guard, times) for name, guard in kinds}
+    return {"stop": stop, "death": death, "end": end}
 
 
 def main() -> None:
