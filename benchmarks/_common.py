@@ -1,4 +1,4 @@
-"""What the benchmarks share: options, turns, figures, the machine, tables, JSON files."""
+"""What the benchmarks share: options, turns, figures, the machine, JSON files."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import importlib.metadata
 import json
 import os
 import platform
+import re
 import socket
 import subprocess
 import sys
@@ -30,9 +31,6 @@ RESULTS = HERE / "results"
 #: those that this program may use, before it is kept to some of them
 CORES = sorted(os.sched_getaffinity(0))
 
-#: the percentiles that every benchmark gives
-PERCENTILES = (50.0, 99.0, 99.9)
-
 
 def percentile(values: Sequence[float] | NDArray[np.float64], percent: float) -> float:
     """The value below which so many percent of the values lie (nearest rank)."""
@@ -47,7 +45,7 @@ def spread(seconds: Iterable[float], count: str = "") -> dict[str, float]:
         count: the name under which their number is given; empty for none.
     """
     values = [float(each) * 1e6 for each in seconds]
-    figures = {f"p{percent:g}_us": percentile(values, percent) for percent in PERCENTILES}
+    figures = {f"p{percent:g}_us": percentile(values, percent) for percent in (50, 99, 99.9)}
     figures["max_us"] = max(values)
     rounded: dict[str, float] = {name: round(value, 1) for name, value in figures.items()}
     return rounded | ({count: len(values)} if count else {})
@@ -64,37 +62,29 @@ def in_turns(rounds: int, alternatives: Mapping[str, T]) -> Iterator[tuple[str, 
         order.append(order.pop(0))
 
 
-def scheduling() -> str:
-    """How this process is scheduled: a busy machine needs `chrt -f 5` for figures of its own."""
-    names = {os.SCHED_OTHER: "other", os.SCHED_FIFO: "fifo", os.SCHED_RR: "round robin"}
-    return names.get(os.sched_getscheduler(0), "other")
-
-
 #: the packages whose versions a result has
-PACKAGES = {
-    "aioduco", "thriftpy2", "thrift", "anyio", "numpy", "mujoco-core",
-    "gymnasium", "panda-gym", "pybullet", "lerobot",
-}  # fmt: skip
+PACKAGES = (
+    *("aioduco", "anyio", "gymnasium", "lerobot", "mujoco-core", "numpy", "panda-gym", "pybullet"),
+    *("thrift", "thriftpy2"),
+)
 
 
 def machine() -> dict[str, Any]:
     """The machine, the commit and the versions of a result; nothing that names a host."""
+    policies = {os.SCHED_OTHER: "other", os.SCHED_FIFO: "fifo", os.SCHED_RR: "round robin"}
+    processor = re.search(r"^model name\s*: (.+)", Path("/proc/cpuinfo").read_text(), re.MULTILINE)
+    versions = {each.name: each.version for each in importlib.metadata.distributions()}
     return {
         "date": datetime.datetime.now(datetime.UTC).date().isoformat(),
         "commit": commit(),
         "wake_up_us": wake_up(),
-        "scheduling": scheduling(),
+        # a busy machine needs `chrt -f 5` for figures of its own
+        "scheduling": policies.get(os.sched_getscheduler(0), "other"),
         "system": f"{platform.system()} {platform.release()}",
-        "processor": _processor(),
+        "processor": processor[1] if processor else platform.machine(),
         "cores": os.cpu_count(),
         "python": platform.python_version(),
-        "packages": dict(
-            sorted(
-                (each.name, each.version)
-                for each in importlib.metadata.distributions()
-                if each.name in PACKAGES
-            )
-        ),
+        "packages": {name: versions[name] for name in PACKAGES if name in versions},
     }
 
 
@@ -138,15 +128,6 @@ def wake_up(rounds: int = 1000) -> dict[str, float]:
     return {name: figures[f"{name}_us"] for name in ("p50", "p99", "max")}
 
 
-def _processor() -> str:
-    info = Path("/proc/cpuinfo")
-    if info.exists():
-        for line in info.read_text(encoding="utf-8").splitlines():
-            if line.startswith("model name"):
-                return line.partition(":")[2].strip()
-    return platform.machine()
-
-
 def at_most(limit: float, found: float) -> dict[str, Any]:
     """A line of what is asked for: the limit, what was found, and whether that is enough."""
     return {"asked": f"at most {limit:g}", "found": found, "reached": found <= limit}
@@ -157,45 +138,16 @@ def at_least(limit: float, found: float) -> dict[str, Any]:
     return {"asked": f"at least {limit:g}", "found": found, "reached": found >= limit}
 
 
+def text_of(results: dict[str, Any]) -> str:
+    return json.dumps(results, indent=2, ensure_ascii=False)
+
+
 def write_results(name: str, results: dict[str, Any]) -> Path:
     """Write `results/<name>.json`, with the machine that they were measured on."""
     RESULTS.mkdir(exist_ok=True)
     path = RESULTS / f"{name}.json"
-    text = json.dumps({"machine": machine()} | results, indent=2, ensure_ascii=False)
-    path.write_text(text + "\n", encoding="utf-8")
+    path.write_text(text_of({"machine": machine()} | results) + "\n", encoding="utf-8")
     return path
-
-
-def show(title: str, found: Mapping[str, Any]) -> None:
-    """Print figures: each level that has only rows below it is a table."""
-    rows = {name: row for name, row in found.items() if isinstance(row, dict)}
-    for name, value in found.items():
-        if name not in rows:
-            print(f"{title}, {name}: {_cell(value)}")
-    if any(isinstance(value, dict) for row in rows.values() for value in row.values()):
-        for name, row in rows.items():
-            show(f"{title}, {name}", row)
-    elif rows:
-        _table(title, rows)
-
-
-def _table(title: str, rows: Mapping[str, Mapping[str, object]]) -> None:
-    """Print a table: a row for each name, a column for each key."""
-    columns = list(dict.fromkeys(key for row in rows.values() for key in row))
-    cells = [[name, *(_cell(row.get(key, "")) for key in columns)] for name, row in rows.items()]
-    cells.insert(0, ["", *columns])
-    first, *others = (max(map(len, column)) for column in zip(*cells, strict=True))
-    print(title)
-    for name, *values in cells:
-        print("  ".join([name.ljust(first), *map(str.rjust, values, others)]))
-    print()
-
-
-def _cell(value: object) -> str:
-    """A value as docs/figures.py shows it."""
-    if isinstance(value, float):
-        return f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.3g}"
-    return str(value)
 
 
 def parser(doc: str | None) -> argparse.ArgumentParser:
@@ -208,7 +160,7 @@ def parser(doc: str | None) -> argparse.ArgumentParser:
 
 def report(options: argparse.Namespace, name: str, results: dict[str, Any]) -> None:
     """Print the results, and write them if the options ask for it."""
-    show(name, results)
+    print(text_of(results))
     if options.save:
         print("written:", write_results(name, results))
 
