@@ -35,7 +35,6 @@ import numpy as np
 import rpc as calls
 from _common import CORES, HERE, in_turns, parser, report, spread
 from _processes import HOST, Program, ServerProcess, client, open_lane
-from controller import CYCLE
 from ticks import Ticks
 
 import aioduco
@@ -56,7 +55,7 @@ if TYPE_CHECKING:
 Rows = dict[str, dict[str, Any]]
 
 RATE = 1000
-BURST = 0.015
+BURST, STALL = 0.015, 0.3
 WORKERS = {
     "process": WorkerOptions(run_in="process"),
     "without priority": WorkerOptions(run_in="process", priority=0),
@@ -201,18 +200,35 @@ async def greatest_rate(port: int, quick: bool) -> Rows:
     }
 
 
-async def by_worker(found: Lateness, kind: str, port: int, seconds: float) -> None:
+async def send(found: Lateness, stream: Any, points: list[list[float]]) -> None:
     """Send one set-point after the other, as a program does."""
-    stream = Servo(StreamEndpoint(HOST, port)).joints(
-        v=3.0, a=50.0, rate=RATE, hold=20.0, options=WORKERS[kind]
-    )
     with contextlib.suppress(TimeoutError):
         async with stream:
             # one that falls behind is cut off, not waited for
-            with anyio.fail_after(seconds + 1):
-                for point in sine(round(seconds * RATE), RATE):
+            with anyio.fail_after(len(points) / RATE + 1):
+                for point in points:
                     await stream.send(point)
     found.add_stream(stream.statistics())
+
+
+async def play(found: Lateness, stream: Any, points: list[list[float]]) -> None:
+    """Play a path through a queue, and stall the event loop in the middle."""
+    seconds = len(points) / RATE
+    with contextlib.suppress(TimeoutError):
+        async with stream:
+            with anyio.fail_after(seconds + 1):
+                async with anyio.create_task_group() as tasks:
+                    tasks.start_soon(stream.play, points)
+                    await anyio.sleep(seconds / 2)
+                    work_for(STALL)
+    found.add_stream(stream.statistics())
+
+
+async def by_worker(found: Lateness, kind: str, port: int, seconds: float) -> None:
+    stream = Servo(StreamEndpoint(HOST, port)).joints(
+        v=3.0, a=50.0, rate=RATE, hold=20.0, options=WORKERS[kind]
+    )
+    await send(found, stream, sine(round(seconds * RATE), RATE))
 
 
 async def by_loop(found: Lateness, port: int, seconds: float) -> None:
@@ -225,16 +241,11 @@ async def by_loop(found: Lateness, port: int, seconds: float) -> None:
             ticks.begin()
             await lane.rpc.servoj(points[min(ticks.ticks, len(points) - 1)], *SERVOJ)
             ticks.end()
-    found.add(ticks.buckets(), ticks.ticks, ticks.missed)
+    found.add(*ticks.figures())
 
 
 async def accounts(
-    port: int,
-    account: str,
-    runs: Mapping[str, Run],
-    slices: int,
-    *,
-    busy: bool,
+    port: int, account: str, runs: Mapping[str, Run], slices: int, *, busy: bool
 ) -> dict[str, int]:
     """What the controller counted in all slices of each run."""
 
@@ -270,16 +281,10 @@ async def pacing(port: int, busy: bool, quick: bool) -> Rows:
 
 
 async def queue_by_worker(port: int, seconds: float) -> None:
-    opened = RealtimeStreams(StreamEndpoint(HOST, port)).stream(
+    stream = RealtimeStreams(StreamEndpoint(HOST, port)).stream(
         "joint_position", v=3.0, a=50.0, depth=50, hold=20.0, options=WORKERS["process"]
     )
-    with contextlib.suppress(TimeoutError):
-        async with opened as stream:
-            with anyio.fail_after(seconds + 1):
-                async with anyio.create_task_group() as tasks:
-                    tasks.start_soon(stream.play, sine(round(seconds / CYCLE), 1 / CYCLE))
-                    await anyio.sleep(seconds / 2)
-                    work_for(0.3)
+    await play(Lateness(), stream, sine(round(seconds * RATE), RATE))
 
 
 async def queue_by_loop(port: int, seconds: float) -> None:
@@ -295,7 +300,7 @@ async def queue_by_loop(port: int, seconds: float) -> None:
         for number in range(1, round(seconds / period)):
             await anyio.sleep_until(start + number * period)
             if number == round(seconds / period) // 2:
-                work_for(0.3)
+                work_for(STALL)
             missing = depth - await rpc.get_realtime_data_queue_size()
             if missing > 0:
                 await rpc.realtime_data_enqueue(points[:missing], True)
@@ -316,24 +321,6 @@ async def starvation(port: int, quick: bool) -> Rows:
 # -- the simulated arm ---
 
 
-async def servo(robot: aioduco.Robot, late: Lateness, seconds: float) -> None:
-    start = await robot.state.get_actual_joints_position()
-    async with robot.servo.joints(v=1.0, a=20.0, rate=RATE, hold=5.0) as stream:
-        for point in sine(round(seconds * RATE), RATE, start):
-            await stream.send(point)
-    late.add_stream(stream.statistics())
-
-
-async def realtime(robot: aioduco.Robot, late: Lateness, seconds: float) -> None:
-    start = await robot.state.get_actual_joints_position()
-    opened = robot.realtime.stream("joint_position", v=1.0, a=20.0, depth=50, hold=5.0)
-    async with opened as stream, anyio.create_task_group() as tasks:
-        tasks.start_soon(stream.play, sine(round(seconds * RATE), RATE, start))
-        await anyio.sleep(seconds / 2)
-        work_for(0.3)
-    late.add_stream(stream.statistics())
-
-
 async def simulated(quick: bool) -> Rows:
     """Against a simulated arm in a process of its own."""
     seconds = 2.0 if quick else 20.0
@@ -341,10 +328,14 @@ async def simulated(quick: bool) -> Rows:
     # The stall is meant, so nobody needs to be warned of it.
     async with Simulator.spawn() as sim, aioduco.connect(HOST, sim.port, lag_limit=None) as robot:
         await robot.bring_up()
+        points = sine(round(seconds * RATE), RATE, await robot.state.get_actual_joints_position())
         async with load(True):
             with bare_loops(found["bare, beside servoj"]):
-                await servo(robot, found["servoj"], seconds)
-            await realtime(robot, found["realtime"], seconds)
+                stream: Any = robot.servo.joints(v=1.0, a=20.0, rate=RATE, hold=5.0)
+                await send(found["servoj"], stream, points)
+            points = sine(len(points), RATE, await robot.state.get_actual_joints_position())
+            stream = robot.realtime.stream("joint_position", v=1.0, a=20.0, depth=50, hold=5.0)
+            await play(found["realtime"], stream, points)
     return {name: late.figures() for name, late in found.items()}
 
 

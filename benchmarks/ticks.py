@@ -35,10 +35,6 @@ class Ticks:
         """When the present tick is due [ns]."""
         return self._schedule.due
 
-    @property
-    def missed(self) -> int:
-        return self._schedule.missed
-
     def begin(self) -> None:
         """The present tick begins."""
         self._histogram.record(time.monotonic_ns() - self.due)
@@ -50,8 +46,9 @@ class Ticks:
         for number in range(self._schedule.advance(now)):
             self._histogram.record(now - due - (number + 1) * self._period)
 
-    def buckets(self) -> list[tuple[int, int, int]]:
-        return self._histogram.buckets()
+    def figures(self) -> tuple[list[tuple[int, int, int]], int, int]:
+        """The histogram of how late they were, and how many there were, and were missed."""
+        return self._histogram.buckets(), self.ticks, self._schedule.missed
 
 
 def main() -> None:
@@ -63,7 +60,7 @@ def main() -> None:
         sleep_until(ticks.due)
         ticks.begin()
         ticks.end()
-    print(json.dumps([ticks.buckets(), ticks.ticks, ticks.missed]))
+    print(json.dumps(ticks.figures()))
 
 
 if __name__ == "__main__":
