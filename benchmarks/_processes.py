@@ -32,21 +32,6 @@ def processor_time(pid: int) -> float:
     return time.clock_gettime(~pid << 3 | 2)
 
 
-@contextlib.contextmanager
-def core_of_its_own() -> Iterator[None]:
-    """What starts in the block gets a core that this thread does not use, if there are two.
-
-    A controller is another machine. When the scheduler puts both on one core, a direct call
-    takes a third of the time and nothing that is compared here means anything.
-    """
-    *ours, theirs = CORES
-    os.sched_setaffinity(0, {theirs})
-    try:
-        yield
-    finally:
-        os.sched_setaffinity(0, ours or CORES)
-
-
 class Program:
     """A program of Python in a process of its own, which reads and writes lines.
 
@@ -94,18 +79,26 @@ class Program:
 
 
 class ServerProcess(Program):
-    """A script that serves on a core of its own, and says where by one line of JSON."""
+    """A script that serves on a core of its own, if there are two, and says where as JSON.
+
+    A controller is another machine. When the scheduler puts both on one core, a direct call
+    takes a third of the time and nothing that is compared here means anything.
+
+    Attributes:
+        ports: where it speaks the wire.
+        echo: where it echoes bytes, if it does.
+    """
 
     def __init__(self, script: str, *options: str) -> None:
-        with core_of_its_own():
+        *ours, theirs = CORES
+        os.sched_setaffinity(0, {theirs})
+        try:
             super().__init__(str(HERE / script), *options)
-        self.endpoints: dict[str, Any] = json.loads(self.line())
-
-    @property
-    def ports(self) -> list[int]:
-        """Where it speaks the wire."""
-        ports: list[int] = self.endpoints["ports"]
-        return ports
+        finally:
+            os.sched_setaffinity(0, ours or CORES)
+        found = json.loads(self.line())
+        self.ports: list[int] = found["ports"]
+        self.echo: int = found.get("echo", 0)
 
 
 @contextlib.contextmanager

@@ -117,13 +117,12 @@ def joint_states(kind: type[Ros1 | Ros2], folder: Path, seconds: float) -> dict[
         line = client.stdout.readline()  # it has counted
         took, used = time.monotonic() - begin, processor(node.pid) - used
         found = json.loads((line + client.communicate(timeout=PATIENT)[0]).splitlines()[-1])
-    row = {
+    return {
         "asked_hz": RATE,
         "found_hz": found["rate"],
         "seconds": round(took, 1),
         "share_of_a_core_percent": 100 * used / took,
     }
-    return row | {name: found[name] for name in ("recorded", "played") if name in found}
 
 
 def kills(
@@ -188,7 +187,6 @@ def main() -> int:
     kept = (
         abs(states["found_hz"] / RATE - 1) <= kind.off
         and states["share_of_a_core_percent"] < kind.most
-        and states.get("played") == states.get("recorded")
         and not any(row["beyond"] for row in stands.values())
     )
     print("within the limits" if kept else "BEYOND a limit")

@@ -60,14 +60,11 @@ async def called(call: Callable[[], Any], seconds: float, *, awaited: bool = Fal
     clock = time.perf_counter
     times = [clock()]
     end = times[0] + seconds
-    if awaited:
-        while times[-1] < end:
-            await call()
-            times.append(clock())
-    else:
-        while times[-1] < end:
-            call()
-            times.append(clock())
+    while times[-1] < end:
+        answer = call()
+        if awaited:
+            await answer
+        times.append(clock())
     durations: list[float] = np.diff(times).tolist()
     return durations
 
@@ -167,7 +164,7 @@ async def measure(
         async with open_lane(port) as lane:
             direct = getattr(thriftpy2_client(port, stack), name)
             awaited = getattr(lane.rpc, name)
-            echo = bare_socket(server.endpoints["echo"], *sizes(name, port), stack)
+            echo = bare_socket(server.echo, *sizes(name, port), stack)
             alternatives = {
                 "bare socket": partial(called, echo),
                 "thriftpy2": partial(called, lambda: direct(*args)),

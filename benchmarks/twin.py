@@ -290,11 +290,8 @@ def watched(number: int, seed: int, change: str, seconds: float, after: float = 
     return Watched(change, cell.shown, first, at, early)
 
 
-class Order(NamedTuple):
-    """What a twin says about work in good order, and its processor time for a sample [s]."""
-
-    found: list[Divergence]
-    cost: float
+#: what a twin says about work in good order, and its processor time for a sample [s]
+Order = tuple[list[Divergence], float]
 
 
 def good_order(number: int, items: list[Any], seed: int) -> Order:
@@ -309,7 +306,7 @@ def good_order(number: int, items: list[Any], seed: int) -> Order:
         line.put(pickle.loads(data)[0])
         for due in line.due():
             found += heard(monitor, due)
-    return Order(found, (time.process_time() - begun) / max(1, len(given)))
+    return found, (time.process_time() - begun) / max(1, len(given))
 
 
 def hour_in_good_order(number: int, seed: int, block: float) -> list[Order]:
@@ -339,7 +336,8 @@ def main() -> None:
         ordered = pool.map(hour_in_good_order, [n % ARMS for n in blocks], blocks, repeat(block))
         runs, good, orders = [*with_change], [*without], [*chain.from_iterable(ordered)]
     false_runs = [run for run in good if run.early]
-    false = [divergence for order in orders for divergence in order.found]
+    false = [divergence for found, _ in orders for divergence in found]
+    costs = [cost for _, cost in orders]
     right = [run for run in runs if run.cause == CHANGES[run.change].value]
     odd = [run for run in runs if run not in right or run.early]
     print("what a twin should not have said:", *odd, *false_runs, *false, sep="\n")
@@ -350,8 +348,6 @@ def main() -> None:
         if run.first is not None and run.shown is not None:
             times[run.change].append(run.at - run.shown)
     result = {
-        "command": f"python benchmarks/twin.py --runs {given.runs} --hours {given.hours:g} "
-        f"--jobs {given.jobs} --save",
         "runs with a change": given.runs,
         "seen": sum(run.first is not None for run in runs),
         "seen within 0.5 s of showing": sum(each <= 0.5 for row in times.values() for each in row),
@@ -361,12 +357,8 @@ def main() -> None:
         "hours in good order": round(block * DRAWS * len(blocks), 2),
         "of different work": round(block * len(blocks), 2),
         "false alarms in these": len(false),
-        "share of a processor at 125 Hz": round(
-            125.0 * statistics.median([order.cost for order in orders] or [0.0]), 3
-        ),
-        "confusion: hidden change, named cause": {
-            change: dict(row) for change, row in confusion.items()
-        },
+        "share of a processor at 125 Hz": round(125.0 * statistics.median(costs), 3),
+        "confusion: hidden change, named cause": confusion,
         "time until it was said [s]": {
             change: {"p50": round(statistics.median(row), 3), "max": round(max(row), 3)}
             for change, row in times.items()
