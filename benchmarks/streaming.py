@@ -35,7 +35,6 @@ import numpy as np
 import rpc as calls
 from _common import CORES, HERE, in_turns, parser, report, spread
 from _processes import HOST, Program, ServerProcess, client, open_lane
-from ticks import Ticks
 
 import aioduco
 from aioduco._wire.rpc import RealTimeControlData
@@ -44,9 +43,12 @@ from aioduco.api.streams.servo import Servo
 from aioduco.sim import Simulator
 from aioduco.streaming.endpoint import StreamEndpoint
 from aioduco.streaming.shared.options import WorkerOptions
+from aioduco.streaming.ticks import Tick, Ticks
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable, Iterator, Mapping, Sequence
+
+    from numpy.typing import ArrayLike
 
     from aioduco.streaming.report import StreamStatistics
 
@@ -112,16 +114,16 @@ class Lateness:
         self.seconds = np.zeros(0)
         self.ticks = self.missed = 0
 
-    def add(self, buckets: Sequence[Sequence[int]], ticks: int, missed: int) -> None:
-        """Add a slice, by its histogram."""
-        low, high, count = np.reshape(np.array(buckets, int), (-1, 3)).T
-        self.seconds = np.append(self.seconds, np.repeat((low + high) // 2 * 1e-9, count))
+    def add(self, seconds: ArrayLike, ticks: int, missed: int) -> None:
+        """Add a slice."""
+        self.seconds = np.append(self.seconds, seconds)
         self.ticks += ticks
         self.missed += missed
 
     def add_stream(self, found: StreamStatistics) -> None:
-        """Add a slice of a stream."""
-        self.add(found.buckets["lateness"], found.ticks, found.missed)
+        """Add a slice of a stream, by its histogram."""
+        low, high, count = np.reshape(np.array(found.buckets["lateness"], int), (-1, 3)).T
+        self.add(np.repeat((low + high) // 2 * 1e-9, count), found.ticks, found.missed)
 
     def figures(self) -> dict[str, Any]:
         late = {f"late_{name}": value for name, value in spread(self.seconds).items()}
@@ -140,7 +142,8 @@ def bare_loop(found: Lateness, rate: float, core: int | None) -> Iterator[None]:
             os.sched_setaffinity(program.process.pid, {core})
         program.line()  # what its start takes is over
         yield
-        found.add(*json.loads(program.end()))
+        late, ticks, missed = json.loads(program.end())
+        found.add(np.array(late) * 1e-9, ticks, missed)
 
 
 @contextlib.contextmanager
@@ -233,15 +236,15 @@ async def by_worker(found: Lateness, kind: str, port: int, seconds: float) -> No
 
 async def by_loop(found: Lateness, port: int, seconds: float) -> None:
     points = sine(round(seconds * RATE) + 1, RATE)
+    ticks: list[Tick] = []
     async with open_lane(port) as lane:
-        ticks = Ticks(RATE)
-        end = ticks.due + round(seconds * 1e9)
-        while ticks.due < end:
-            await anyio.sleep(max(0, ticks.due - time.monotonic_ns()) * 1e-9)
-            ticks.begin()
-            await lane.rpc.servoj(points[min(ticks.ticks, len(points) - 1)], *SERVOJ)
-            ticks.end()
-    found.add(*ticks.figures())
+        async for tick in Ticks(1 / RATE, lambda: None):
+            if tick.time > seconds:
+                break
+            ticks.append(tick)
+            await lane.rpc.servoj(points[tick.number], *SERVOJ)
+    late = [tick.late + np.arange(tick.skipped + 1) / RATE for tick in ticks]
+    found.add(np.concatenate(late), len(ticks), sum(tick.skipped for tick in ticks))
 
 
 async def accounts(

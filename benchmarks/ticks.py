@@ -1,8 +1,9 @@
-"""Ticks at a rate, and how late each of them is; as a program, a loop that only sleeps to them.
+"""A loop that only sleeps to its ticks: what the machine does to anybody's schedule.
 
     python ticks.py RATE
 
-It says by a line that it begins, and ends when its standard input does, with its figures as JSON.
+It says by a line that it begins, and ends when its standard input does. Then it says as JSON how
+late each tick was [ns], and how many there were, and were missed.
 """
 
 from __future__ import annotations
@@ -13,54 +14,23 @@ import sys
 import threading
 import time
 
-from aioduco.streaming.shared.histogram import Histogram
 from aioduco.streaming.worker.clock import Schedule, sharpen_sleep, sleep_until
 
 
-class Ticks:
-    """An absolute schedule, and how late each of its ticks was.
-
-    Args:
-        rate: ticks a second.
-    """
-
-    def __init__(self, rate: float) -> None:
-        self._period = round(1e9 / rate)
-        self._schedule = Schedule(self._period, time.monotonic_ns() + self._period)
-        self._histogram = Histogram()
-        self.ticks = 0
-
-    @property
-    def due(self) -> int:
-        """When the present tick is due [ns]."""
-        return self._schedule.due
-
-    def begin(self) -> None:
-        """The present tick begins."""
-        self._histogram.record(time.monotonic_ns() - self.due)
-
-    def end(self) -> None:
-        """Its work has ended; those that are over by now are missed."""
-        self.ticks += 1
-        due, now = self.due, time.monotonic_ns()
-        for number in range(self._schedule.advance(now)):
-            self._histogram.record(now - due - (number + 1) * self._period)
-
-    def figures(self) -> tuple[list[tuple[int, int, int]], int, int]:
-        """The histogram of how late they were, and how many there were, and were missed."""
-        return self._histogram.buckets(), self.ticks, self._schedule.missed
-
-
 def main() -> None:
-    """Sleep to each tick, and do nothing else, until the standard input ends."""
     sharpen_sleep(threading.get_native_id())
     print("begins", flush=True)
-    ticks = Ticks(float(sys.argv[1]))
-    while ticks.ticks % 64 or not select.select([sys.stdin], [], [], 0)[0]:
-        sleep_until(ticks.due)
-        ticks.begin()
-        ticks.end()
-    print(json.dumps(ticks.figures()))
+    period = round(1e9 / float(sys.argv[1]))
+    schedule = Schedule(period, time.monotonic_ns() + period)
+    late: list[int] = []
+    ticks = 0
+    while ticks % 64 or not select.select([sys.stdin], [], [], 0)[0]:
+        due = schedule.due
+        late.append(sleep_until(due) - due)
+        now = time.monotonic_ns()
+        late += [now - due - place * period for place in range(1, schedule.advance(now) + 1)]
+        ticks += 1
+    print(json.dumps([late, ticks, schedule.missed]))
 
 
 if __name__ == "__main__":
