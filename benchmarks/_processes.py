@@ -78,8 +78,11 @@ class Program:
             self.end()
 
 
+CONTROLLER = str(HERE / "controller.py")
+
+
 class ServerProcess(Program):
-    """A script that serves on a core of its own, if there are two, and says where as JSON.
+    """A program that serves on a core of its own, if there are two, and says where as JSON.
 
     A controller is another machine. When the scheduler puts both on one core, a direct call
     takes a third of the time and nothing that is compared here means anything.
@@ -89,11 +92,11 @@ class ServerProcess(Program):
         echo: where it echoes bytes, if it does.
     """
 
-    def __init__(self, script: str, *options: str) -> None:
+    def __init__(self, *arguments: str) -> None:
         *ours, theirs = CORES
         os.sched_setaffinity(0, {theirs})
         try:
-            super().__init__(str(HERE / script), *options)
+            super().__init__(*arguments)
         finally:
             os.sched_setaffinity(0, ours or CORES)
         found = json.loads(self.line())

@@ -28,6 +28,7 @@ from typing import TYPE_CHECKING, Any
 import anyio
 from _common import of_tests, parser, report, spread
 from _processes import (
+    CONTROLLER,
     HOST,
     Program,
     ServerProcess,
@@ -137,7 +138,7 @@ async def measure(ports: list[int], guard: bool, seconds: float, stops: int) -> 
 
 def served(count: int, guard: bool, seconds: float, stops: int) -> dict[str, Any]:
     """One fleet and its controllers."""
-    with ServerProcess("controller.py", str(count)) as server:
+    with ServerProcess(CONTROLLER, str(count)) as server:
         return anyio.run(measure, server.ports, guard, seconds, stops)
 
 
@@ -193,7 +194,7 @@ def gateways(options: argparse.Namespace) -> None:
     """The stop of two gateways, and its table."""
     each, stops = (4, 20) if options.quick else (16, 200)
     with ExitStack() as stack:
-        server = stack.enter_context(ServerProcess("controller.py", str(2 * each)))
+        server = stack.enter_context(ServerProcess(CONTROLLER, str(2 * each)))
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         made = files(folder, server.ports)
         for path in made:

@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING, Any
 
 import anyio
 from _common import CORES, in_turns, parser, report, spread
-from _processes import HOST, Program, ServerProcess, first_stop, guard_of, open_lane
+from _processes import CONTROLLER, HOST, Program, ServerProcess, first_stop, guard_of, open_lane
 from streaming import load
 
 import aioduco
@@ -294,7 +294,7 @@ async def measure(server: ServerProcess, quick: bool) -> dict[str, Any]:
 
 def main() -> None:
     options = parser(__doc__).parse_args()
-    with ServerProcess("controller.py") as server:
+    with ServerProcess(CONTROLLER) as server:
         found = anyio.run(measure, server, options.quick)
     report(options, "supervision", {"end": found.pop("end")})
     report(options, "guard", {"heartbeat_s": HEARTBEAT, **found})

@@ -58,6 +58,15 @@ PUSH, DAMPING = 5.0, 1e4
 HOME = np.radians([0.0, 0.0, 90.0, 0.0, -90.0, 0.0])
 WAY = np.array([1.0, 0.3, -0.3, 0.2, 0.3, 0.5])
 CYCLE = 0.001
+#: says where it listens, and answers each line by its time
+SIMULATOR = """
+import json, sys
+from aioduco.sim import Simulator
+with Simulator(speed=float(sys.argv[1])) as sim:
+    print(json.dumps({"ports": [sim.port]}), flush=True)
+    for _ in sys.stdin:
+        print(sim.time, flush=True)
+"""
 #: of what others wait for while a motion is planned, asked for at most [ms]
 WAIT = 2.0
 #: a line along y [m] with so many swings of a weave, whose shapes have these numbers
@@ -91,7 +100,7 @@ def move(port: int, done: threading.Event, forced: bool) -> None:
 @contextlib.contextmanager
 def moving(speed: str, *, forced: bool = False) -> Iterator[tuple[ServerProcess, RpcClient]]:
     """A simulator in a process of its own, on a core of its own, whose arm moves all the time."""
-    with ServerProcess("simulator.py", speed) as server, client(server.ports[0]) as robot:
+    with ServerProcess("-c", SIMULATOR, speed) as server, client(server.ports[0]) as robot:
         robot.power_on(True)
         robot.enable(True)
         done = threading.Event()

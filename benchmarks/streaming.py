@@ -34,7 +34,7 @@ import anyio
 import numpy as np
 import rpc as calls
 from _common import CORES, HERE, in_turns, parser, report, spread
-from _processes import HOST, Program, ServerProcess, client, open_lane
+from _processes import CONTROLLER, HOST, Program, ServerProcess, client, open_lane
 
 import aioduco
 from aioduco._wire.rpc import RealTimeControlData
@@ -357,7 +357,7 @@ async def measure(port: int, quick: bool) -> dict[str, Any]:
 
 def main() -> None:
     options = parser(__doc__).parse_args()
-    with ServerProcess("controller.py") as server:
+    with ServerProcess(CONTROLLER) as server:
         results = anyio.run(measure, server.ports[0], options.quick)
     report(options, "streaming", results)
 
