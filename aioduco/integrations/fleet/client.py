@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import anyio
 
@@ -20,7 +20,6 @@ from aioduco.models.ranges import TIMEOUT
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
-    from types import TracebackType
     from typing import Self
 
     from aioduco.integrations.fleet.settings import FleetSettings
@@ -107,13 +106,8 @@ class FleetClient(Uncopied):
             raise
         return self
 
-    async def __aexit__(
-        self,
-        kind: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        await self._link.__aexit__(kind, exc, traceback)
+    async def __aexit__(self, *exc: Any) -> None:
+        await self._link.__aexit__(*exc)
 
     def _presence_changed(self, gateway: str, there: bool) -> None:
         if there:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from contextlib import suppress
 from functools import partial
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import anyio
 import anyio.abc
@@ -23,7 +23,6 @@ from aioduco.robot import connect, stop_all
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from types import TracebackType
     from typing import Self
 
     from aioduco.integrations.fleet.settings import ArmSettings, FleetSettings
@@ -96,18 +95,13 @@ class FleetGateway(Uncopied):
         self._tasks.start_soon(self._publish_reports)
         return self
 
-    async def __aexit__(
-        self,
-        kind: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    async def __aexit__(self, *exc: Any) -> None:
         assert self._tasks is not None
         try:
             self._tasks.cancel_scope.cancel()
-            await self._tasks.__aexit__(kind, exc, traceback)
+            await self._tasks.__aexit__(*exc)
         finally:
-            await self._link.__aexit__(kind, exc, traceback)
+            await self._link.__aexit__(*exc)
 
     async def _supervise(self, arm: ArmSettings) -> None:
         """Keep one robot open: reopen it whenever it fails."""
@@ -190,14 +184,10 @@ class FleetGateway(Uncopied):
             await stop_all(robot for _, robot in robots)
         except StopsUnconfirmed as unconfirmed:
             errors = unconfirmed.errors
-        said = {
-            name: f"{type(error).__name__}: {error}" if error is not None else ""
-            for (name, _), error in zip(robots, errors, strict=True)
-        }
-        for name in order.arms:
-            self._state.stopped(order.number, name, said.get(name, "not connected"))
-        report = self._state.report_of(order.number)
-        assert report is not None
+        said = dict.fromkeys(order.arms, "not connected")
+        for (name, _), error in zip(robots, errors, strict=True):
+            said[name] = "" if error is None else f"{type(error).__name__}: {error}"
+        report = order.report(said)
         _log.warning("the fleet stopped %s", ", ".join(arm.name for arm in report.arms) or "no arm")
         return report.encode()
 

@@ -16,7 +16,7 @@ from aioduco.integrations.fleet.reports import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
 __all__ = ["GatewayState", "StopOrder"]
 
@@ -30,21 +30,32 @@ class StopOrder:
     """A stop to carry out.
 
     Attributes:
-        number: number of this order.
+        gateway: name of the gateway.
         arms: names of the arms to which the stop must be sent now.
+        away: the other arms that it names: no stop can be sent to them.
+        note: the error in the request; empty if there was none.
     """
 
-    number: int
+    gateway: str
     arms: tuple[str, ...]
+    away: tuple[ArmStopped, ...]
+    note: str
+
+    def report(self, errors: Mapping[str, str]) -> StopReport:
+        """The answer to it.
+
+        Args:
+            errors: for each of `arms`, why it is not confirmed that it stands; empty if it stands.
+        """
+        told = (*self.away, *(ArmStopped(arm, errors[arm]) for arm in self.arms))
+        return StopReport(self.gateway, tuple(sorted(told, key=lambda arm: arm.name)), self.note)
 
 
 class GatewayState:
-    """The arms of a gateway, and stops in progress.
+    """The arms of a gateway.
 
-    Guarantees:
-    - Each requested stop is sent to each connected arm that it names, also while another stop is in
-      progress: a request never counts as done because of an earlier one.
-    - Each order is answered once, when the result of each of its arms is known.
+    Each requested stop is sent to each connected arm that it names, also while another stop is in
+    progress: a request never counts as done because of an earlier one.
 
     Args:
         name: name of the gateway.
@@ -60,10 +71,7 @@ class GatewayState:
         self._unsupervised: set[str] = set()
         #: when the state of each arm was read [s]
         self._read: dict[str, float] = {}
-        self._orders = itertools.count(1)
         self._reports = itertools.count(1)
-        #: for each order: note on its request, arms without a result, results of the others
-        self._open: dict[int, tuple[str, set[str], list[ArmStopped]]] = {}
 
     def opened(self, arm: str) -> None:
         """A robot was opened: from now on, stops can be sent to it."""
@@ -101,7 +109,7 @@ class GatewayState:
         self._read[arm] = at
 
     def stop(self, data: bytes) -> StopOrder:
-        """Return the order for a requested stop. `report_of` answers an order without arms at once.
+        """Return the order for a requested stop.
 
         Args:
             data: the message; a message that cannot be read stops all arms.
@@ -112,35 +120,13 @@ class GatewayState:
         except MessageRefused as error:
             request, note = StopRequest(), f"all arms were stopped, since {error}"
         names = [arm for arm in self._arms if request.arms is None or arm in request.arms]
-        tell = tuple(arm for arm in names if arm in self._connected)
-        away = [
+        away = tuple(
             ArmStopped(arm, f"not connected: {self._arms[arm].error or 'not yet'}")
             for arm in names
-            if arm not in tell
-        ]
-        number = next(self._orders)
-        self._open[number] = (note, set(tell), away)
-        return StopOrder(number, tell)
-
-    def stopped(self, order: int, arm: str, error: str = "") -> None:
-        """Record the result for one arm of an order.
-
-        Args:
-            order: number of the order.
-            arm: name of the arm.
-            error: why it is not confirmed that the arm stands; empty if it stands.
-        """
-        _, left, done = self._open[order]
-        left.remove(arm)
-        done.append(ArmStopped(arm, error))
-
-    def report_of(self, order: int) -> StopReport | None:
-        """The answer to an order, once; None while the result of an arm is missing."""
-        note, left, done = self._open[order]
-        if left:
-            return None
-        del self._open[order]
-        return StopReport(self.name, tuple(sorted(done, key=lambda arm: arm.name)), note)
+            if arm not in self._connected
+        )
+        tell = tuple(arm for arm in names if arm in self._connected)
+        return StopOrder(self.name, tell, away, note)
 
     def report(self, now: float) -> GatewayReport:
         """The state of all arms.

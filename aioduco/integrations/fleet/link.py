@@ -20,7 +20,6 @@ from aioduco.integrations.fleet.reports import LONGEST, alive_key, state_key, st
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
-    from types import TracebackType
     from typing import Self
 
     from aioduco.integrations.fleet.settings import FleetSettings
@@ -81,14 +80,9 @@ class FleetLink:
             raise
         return self
 
-    async def __aexit__(
-        self,
-        kind: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    async def __aexit__(self, *exc: Any) -> None:
         try:
-            await self._portal.__aexit__(kind, exc, traceback)
+            await self._portal.__aexit__(*exc)
         finally:
             await self._close_session()
 

@@ -70,7 +70,6 @@ from aioduco.recording.playback.player import arm_named
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
-    from types import TracebackType
     from typing import Self
 
     from anyio.abc import TaskGroup
@@ -273,14 +272,9 @@ class Panel(Uncopied):
             self._stack = stack.pop_all()
         return self
 
-    async def __aexit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    async def __aexit__(self, *exc: Any) -> None:
         """End it: stop a lease's motion and wait until the arm stands; other motions continue."""
-        await self._stack.__aexit__(exc_type, exc, traceback)
+        await self._stack.__aexit__(*exc)
 
     @staticmethod
     async def _end_work(group: TaskGroup) -> None:

@@ -65,11 +65,7 @@ def test_whatever_comes_as_a_stop_stops_nothing_less_than_it_names(data: bytes) 
         named = None
     wanted = {"left", "right"} & (named if named is not None else {"left", "right"})
     assert {*order.arms} == wanted
-    for arm in order.arms:
-        assert state.report_of(order.number) is None
-        state.stopped(order.number, arm)
-    report = state.report_of(order.number)
-    assert report is not None
+    report = order.report(dict.fromkeys(order.arms, ""))
     assert StopReport.decode(report.encode()) == report
 
 
@@ -113,17 +109,12 @@ def test_a_stop_is_never_taken_for_done_by_another_one() -> None:
     first, second = state.stop(b""), state.stop(StopRequest(frozenset(["left"])).encode())
     assert first.arms == ("left", "right")
     assert second.arms == ("left",)
-    state.stopped(first.number, "left")
-    assert state.report_of(first.number) is None
-    assert state.report_of(second.number) is None
-    state.stopped(second.number, "left", "StopUnconfirmed: it moves")
-    state.stopped(first.number, "right")
-    report = state.report_of(first.number)
-    assert report is not None
+    report = first.report({"left": "", "right": ""})
     assert [arm.name for arm in report.arms if not arm.error] == ["left", "right"]
     assert report.arms[0] == ArmStopped("away", "not connected: no route")
-    other = state.report_of(second.number)
-    assert other == StopReport("cell", (ArmStopped("left", "StopUnconfirmed: it moves"),))
+    assert second.report({"left": "StopUnconfirmed: it moves"}) == StopReport(
+        "cell", (ArmStopped("left", "StopUnconfirmed: it moves"),)
+    )
 
 
 def test_a_report_says_how_old_it_is() -> None:
