@@ -10,12 +10,11 @@ from typing import TYPE_CHECKING, Self
 import anyio
 from anyio.from_thread import start_blocking_portal
 
-from aioduco._process.copying import Uncopied
 from aioduco._wire import idl
 from aioduco.errors import ParameterError
 from aioduco.models.similar import did_you_mean
 from aioduco.testing.awaited_socket import AwaitedSocket
-from aioduco.testing.faults import Ending, Fault, Plan, Script
+from aioduco.testing.faults import Ending, Fault, Script
 from aioduco.testing.records import CallRecord, ConnectionRecord, ProxyStatistics, Records
 from aioduco.testing.relay import Relay, Valve
 
@@ -27,7 +26,7 @@ __all__ = ["FaultProxy"]
 _HOST = "127.0.0.1"
 
 
-class FaultProxy(Uncopied):
+class FaultProxy(Script):
     """Stands between a client and a controller, and applies prepared faults to its calls.
 
         with FaultProxy("127.0.0.1", simulator.port) as proxy:
@@ -53,10 +52,10 @@ class FaultProxy(Uncopied):
             upstream_port: its TCP port.
             seed: seed of the jitter of delays.
         """
+        super().__init__()
         self.host = _HOST
         self.port: int = 0
         self._upstream = (upstream_host, upstream_port)
-        self._script = Script()
         self._records = Records()
         self._random = random.Random(seed)
         self._relays: set[Relay] = set()
@@ -87,10 +86,6 @@ class FaultProxy(Uncopied):
 
     # Faults of calls
 
-    def next(self, *faults: Fault) -> None:
-        """Apply these faults to the next calls, one to each, whatever their methods are."""
-        self._script.next(*faults)
-
     def on(self, method: str, fault: Fault, *, times: int | None = 1, skip: int = 0) -> None:
         """Apply a fault to calls of one method.
 
@@ -109,15 +104,11 @@ class FaultProxy(Uncopied):
             raise ParameterError("method", method, rule)
         if not isinstance(fault, Fault):
             raise ParameterError("fault", fault, "a fault, such as Cut(Place.BEFORE_REPLY)")
-        self._script.on(method, fault, times=times, skip=skip)
-
-    def schedule(self, plan: Plan | None) -> None:
-        """Let a plan decide on the calls without a fault of their own; None for no plan."""
-        self._script.schedule(plan)
+        super().on(method, fault, times=times, skip=skip)
 
     def clear(self) -> None:
         """Remove all faults of calls, forward again, and accept connections again."""
-        self._script.clear()
+        super().clear()
         self.thaw()
         self.accept()
 
@@ -216,7 +207,7 @@ class FaultProxy(Uncopied):
             relay = Relay(
                 AwaitedSocket(client),
                 self._upstream,
-                script=self._script,
+                script=self,
                 records=self._records,
                 valve=self._valve,
                 jitter=self._random,

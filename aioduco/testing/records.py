@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from aioduco.testing.faults import Fault
     from aioduco.testing.message_parser import Message
 
@@ -117,24 +115,13 @@ class Records:
         self.calls.append(CallRecord(connection, request, fault, time.monotonic()))
         return self._forgotten + len(self.calls) - 1
 
-    def forwarded(self, call: int) -> None:
-        """Record that a request was sent to the server."""
-        self._note(call, lambda record, now: replace(record, forwarded=now))
-
-    def replied(self, call: int) -> None:
-        """Record that the server has replied."""
-        self._note(call, lambda record, now: replace(record, replied=now))
-
-    def answered(self, call: int) -> None:
-        """Record that an answer was sent to the caller."""
-        self._note(call, lambda record, now: replace(record, answered=now))
+    def note(self, call: int, step: Literal["forwarded", "replied", "answered"]) -> None:
+        """Record that a step of a call was done now."""
+        index = call - self._forgotten
+        if index >= 0:
+            self.calls[index] = replace(self.calls[index], **{step: time.monotonic()})
 
     def forget(self) -> None:
         """Drop the calls received so far; the counts continue."""
         self._forgotten += len(self.calls)
         self.calls.clear()
-
-    def _note(self, call: int, change: Callable[[CallRecord, float], CallRecord]) -> None:
-        index = call - self._forgotten
-        if index >= 0:
-            self.calls[index] = change(self.calls[index], time.monotonic())

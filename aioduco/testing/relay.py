@@ -193,7 +193,7 @@ class Relay:
                 pass
         self._waiting.append((call, fault))
         await self._send(self._server, data, fault.rate if isinstance(fault, Throttle) else None)
-        self._records.forwarded(call)
+        self._records.note(call, "forwarded")
         if isinstance(fault, Cut) and fault.at is Place.AFTER_REQUEST:
             await self._cut(fault.how)
 
@@ -202,7 +202,7 @@ class Relay:
         while self._waiting and (data := self._own.pop(self._waiting[0][0], None)) is not None:
             call, _ = self._waiting.popleft()
             await self._send(self._client, data)
-            self._records.answered(call)
+            self._records.note(call, "answered")
 
     async def _reply(self, reply: Message) -> None:
         await self._pass(reply)
@@ -213,7 +213,7 @@ class Relay:
             await self._send(self._client, reply.encode())
             return
         call, fault = self._waiting.popleft()
-        self._records.replied(call)
+        self._records.note(call, "replied")
         data = rewritten(fault, reply)
         match fault:
             case DropReply():
@@ -231,7 +231,7 @@ class Relay:
             case _:
                 pass
         await self._send(self._client, data, fault.rate if isinstance(fault, Throttle) else None)
-        self._records.answered(call)
+        self._records.note(call, "answered")
         if isinstance(fault, Cut) and fault.at is Place.AFTER_REPLY:
             await self._cut(fault.how)
 

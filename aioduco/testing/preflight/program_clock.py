@@ -18,6 +18,7 @@ import heapq
 import math
 import threading
 import time
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 
     from aioduco.sim import Simulator
 
-__all__ = ["ProgramClock", "Timer", "Wait"]
+__all__ = ["ProgramClock", "Wait"]
 
 #: longest time for which a computing program holds simulated time, by the wall clock [s]
 STALL = 0.05
@@ -40,44 +41,34 @@ _LOOK = 0.02
 _monotonic = time.monotonic
 
 
-class Timer:
+@dataclass(frozen=True, slots=True)
+class _Timer:
     """A function to call at a time of the program's clock.
 
     Attributes:
-        when: time of the call [s].
         made: time at which the timer was created [s].
+        fire: the function.
+        alive: whether it is still to be called.
     """
 
-    def __init__(
-        self, when: float, made: float, fire: Callable[[], object], alive: Callable[[], bool]
-    ) -> None:
-        self.when = when
-        self.made = made
-        self.fire = fire
-        self.alive = alive
-        self.cancelled: bool = False
-
-    @property
-    def live(self) -> bool:
-        """Whether the function will still be called."""
-        return not self.cancelled and self.alive()
+    made: float
+    fire: Callable[[], object]
+    alive: Callable[[], bool]
 
 
+@dataclass(slots=True, eq=False)
 class Wait:
     """One wait of a thread.
 
     Attributes:
         thread: id of the thread.
-        counts: whether the clock counts it as waiting.
         due: when it ends by itself, by the wall clock [s].
+        counts: whether the clock counts it as waiting.
     """
 
-    __slots__ = ("counts", "due", "thread")
-
-    def __init__(self, thread: int, due: float = math.inf) -> None:
-        self.thread: int = thread
-        self.counts: bool = False
-        self.due: float = due
+    thread: int
+    due: float
+    counts: bool = False
 
 
 class ProgramClock:
@@ -97,7 +88,7 @@ class ProgramClock:
         self._waits: set[Wait] = set()
         self._calls = 0
         self._streams: list[Callable[[], bool]] = []
-        self._timers: list[tuple[float, int, Timer]] = []
+        self._timers: list[tuple[float, int, _Timer]] = []
         self._count = 0
         self._let_go: Callable[[], None] | None = None
         self._held_at = math.inf
@@ -169,15 +160,14 @@ class ProgramClock:
 
     def at(
         self, when: float, fire: Callable[[], object], alive: Callable[[], bool] = lambda: True
-    ) -> Timer:
+    ) -> None:
         """Schedule a call at a time [s], on any thread."""
-        timer = Timer(when, self.now(), fire, alive)
+        timer = _Timer(self.now(), fire, alive)
         with self._state:
             self._count += 1
             heapq.heappush(self._timers, (when, self._count, timer))
             if self._quiet:
                 self._hold_until_next()
-        return timer
 
     def sleep(self, seconds: float) -> None:
         """Let `seconds` of the program's time pass."""
@@ -192,7 +182,9 @@ class ProgramClock:
     def sleeps_since(self, passed: float) -> bool:
         """Whether a timer that was created up to a time since the start [s] is still live."""
         with self._state:
-            return any(each.live and each.made - self._zero <= passed for *_, each in self._timers)
+            return any(
+                each.alive() and each.made - self._zero <= passed for *_, each in self._timers
+            )
 
     @contextlib.contextmanager
     def waiting(self, timeout: float | None = None) -> Iterator[Wait]:
@@ -294,7 +286,7 @@ class ProgramClock:
             self._simulator.speed = speed
 
     def _next(self) -> float:
-        while self._timers and not self._timers[0][2].live:
+        while self._timers and not self._timers[0][2].alive():
             heapq.heappop(self._timers)
         return self._timers[0][0] if self._timers else math.inf
 
