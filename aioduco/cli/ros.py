@@ -15,17 +15,11 @@ if TYPE_CHECKING:
 
 __all__ = ["ros1", "ros2"]
 
-#: Python packages that the node of ROS 1 needs, and those of Debian that have them
-_ROS1 = {
-    "rospy": "python3-rospy",
-    "actionlib": "python3-actionlib",
-    "genpy": "python3-genpy",
-    "trajectory_msgs": "python3-trajectory-msgs",
-    "sensor_msgs": "python3-sensor-msgs",
-    "tf2_msgs": "python3-tf2-msgs",
-    "diagnostic_msgs": "python3-diagnostic-msgs",
-    "std_srvs": "python3-std-srvs",
-}
+#: Python packages that the node of ROS 1 needs; Debian's that have them are named like them
+_ROS1 = (
+    *("rospy", "actionlib", "genpy", "trajectory_msgs", "sensor_msgs", "tf2_msgs"),
+    *("diagnostic_msgs", "std_srvs"),
+)
 #: Python packages that the node of ROS 2 needs; `ros-base` has all but the last line
 _ROS2 = (
     *("rclpy", "lifecycle_msgs", "rcl_interfaces", "builtin_interfaces", "sensor_msgs"),
@@ -50,7 +44,7 @@ def ros1(
     if missing := _missing(_ROS1):
         fail(
             f"this needs {' and '.join(missing)} of ROS 1: source its setup.bash, or on Debian "
-            f"`apt install {' '.join(_ROS1[name] for name in missing)}`, and use that Python "
+            f"`apt install {' '.join(map(_of_debian, missing))}`, and use that Python "
             "(python3 -m venv --system-site-packages)"
         )
     from aioduco.integrations.ros.ros1.message_classes import install  # noqa: PLC0415 - as below
@@ -83,6 +77,10 @@ def ros2(
 
 def _missing(packages: Iterable[str]) -> list[str]:
     return [name for name in packages if importlib.util.find_spec(name) is None]
+
+
+def _of_debian(package: str) -> str:
+    return f"python3-{package.replace('_', '-')}"
 
 
 def _run(

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from aioduco import Snapshot
     from aioduco.integrations.ros.arm_readings import ArmReading, Diagnosis, PlacedFrame
-    from aioduco.integrations.ros.trajectory_server import PathFeedback
+    from aioduco.integrations.ros.trajectory_server import GoalProgress
 
 __all__ = [
     "diagnostics",
@@ -91,7 +91,7 @@ def _tolerance(message: Any) -> NamedTolerance:
     return NamedTolerance(message.name, message.position, message.velocity, message.acceleration)
 
 
-def progress(message: Any, found: PathFeedback, stamp: Any, time: Any = None) -> Any:
+def progress(message: Any, found: GoalProgress, stamp: Any, time: Any = None) -> Any:
     """Fill in where the arm is and is to be, with joints in the arm's order.
 
     Args:

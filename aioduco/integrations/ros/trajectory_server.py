@@ -55,7 +55,7 @@ if TYPE_CHECKING:
         TrajectoryGoal,
     )
 
-__all__ = ["GoalHandle", "GoalProgress", "PathFeedback", "Through", "TrajectoryServer"]
+__all__ = ["GoalHandle", "GoalProgress", "Through", "TrajectoryServer"]
 
 Through: TypeAlias = Literal["auto", "realtime", "servoj"]
 """How set-points reach the controller."""
@@ -67,32 +67,8 @@ _LAG = 0.3  # seconds by which the arm may lag behind its set-points
 _RECENT = 0.5  # age of a measured position from which a newer goal may begin [s]
 
 
-class PathFeedback(Protocol):
-    """Place of the arm on its way, as `robot.motion.follow_joint_trajectory` reports it."""
-
-    @property
-    def time(self) -> float:
-        """Time on the trajectory [s]."""
-        ...
-
-    @property
-    def desired(self) -> NDArray[np.float64]:
-        """The closest place of the path [rad]. Shape (6,)."""
-        ...
-
-    @property
-    def actual(self) -> NDArray[np.float64]:
-        """Position of the arm [rad]. Shape (6,)."""
-        ...
-
-    @property
-    def error(self) -> NDArray[np.float64]:
-        """`actual` less `desired` [rad]. Shape (6,)."""
-        ...
-
-
 class GoalProgress(NamedTuple):
-    """Place of the arm on the path of its goal: a `PathFeedback`.
+    """Place of the arm on the path of its goal.
 
     Attributes:
         time: time on the goal's trajectory [s].
@@ -122,7 +98,7 @@ class GoalHandle(Protocol):
     def accepted(self) -> None:
         """The arm begins to carry it out."""
 
-    def feedback(self, feedback: PathFeedback) -> None:
+    def feedback(self, feedback: GoalProgress) -> None:
         """The arm is on its way."""
 
     def succeeded(self) -> None:
@@ -529,7 +505,7 @@ class TrajectoryServer:
         due = 0.0
         period = self._period
 
-        def feedback(found: PathFeedback) -> None:
+        def feedback(found: Any) -> None:
             nonlocal due
             now = anyio.current_time()
             assert self._followed is not None

@@ -14,7 +14,7 @@ from aioduco.integrations.ros.trajectory_goals import (
     NamedTolerance,
     TrajectoryGoal,
 )
-from aioduco.integrations.ros.trajectory_server import PathFeedback
+from aioduco.integrations.ros.trajectory_server import GoalProgress
 
 NOW = 1000.0
 PROFILE = NamedLimits.of("gcr5_910")
@@ -113,8 +113,8 @@ class Client:
     told: list[str] = field(default_factory=list)
     code: ErrorCode | None = None
     text: str = ""
-    seen: list[PathFeedback] = field(default_factory=list)
-    on_feedback: Callable[[PathFeedback], object] | None = None
+    seen: list[GoalProgress] = field(default_factory=list)
+    on_feedback: Callable[[GoalProgress], object] | None = None
 
     @property
     def done(self) -> bool:
@@ -126,7 +126,7 @@ class Client:
     def accepted(self) -> None:
         self.told.append("accepted")
 
-    def feedback(self, feedback: PathFeedback) -> None:
+    def feedback(self, feedback: GoalProgress) -> None:
         self.seen.append(feedback)
         if self.on_feedback is not None:
             self.on_feedback(feedback)

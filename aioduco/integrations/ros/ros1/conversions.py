@@ -18,7 +18,7 @@ from aioduco.integrations.ros import shared_messages
 
 if TYPE_CHECKING:
     from aioduco.integrations.ros.trajectory_goals import ErrorCode, TrajectoryGoal
-    from aioduco.integrations.ros.trajectory_server import PathFeedback
+    from aioduco.integrations.ros.trajectory_server import GoalProgress
 
 __all__ = ["controller_state", "feedback", "goal", "result", "stamp"]
 
@@ -43,15 +43,15 @@ def result(code: ErrorCode, text: str) -> Any:
     return FollowJointTrajectoryResult(error_code=int(code), error_string=text)
 
 
-def feedback(names: tuple[str, ...], found: PathFeedback, at: float) -> Any:
+def feedback(names: tuple[str, ...], found: GoalProgress, at: float) -> Any:
     """A feedback of FollowJointTrajectory, with joints in the arm's order."""
     return _progress(FollowJointTrajectoryFeedback(joint_names=list(names)), found, at)
 
 
-def controller_state(names: tuple[str, ...], found: PathFeedback, at: float) -> Any:
+def controller_state(names: tuple[str, ...], found: GoalProgress, at: float) -> Any:
     """Where the arm is and is to be."""
     return _progress(JointTrajectoryControllerState(joint_names=list(names)), found, at)
 
 
-def _progress(message: Any, found: PathFeedback, at: float) -> Any:
+def _progress(message: Any, found: GoalProgress, at: float) -> Any:
     return shared_messages.progress(message, found, stamp(at), Duration.from_sec(found.time))

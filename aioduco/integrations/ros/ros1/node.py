@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from aioduco.integrations.ros.arm_services import ServiceReply
     from aioduco.integrations.ros.service_table import ServiceEntry
     from aioduco.integrations.ros.trajectory_goals import TrajectoryGoal
-    from aioduco.integrations.ros.trajectory_server import GoalProgress, PathFeedback
+    from aioduco.integrations.ros.trajectory_server import GoalProgress
 
 __all__ = ["NodeError", "main"]
 
@@ -163,7 +163,7 @@ class _Goal:
     def accepted(self) -> None:
         self._handle.set_accepted()
 
-    def feedback(self, feedback: PathFeedback) -> None:
+    def feedback(self, feedback: GoalProgress) -> None:
         names = self._shell.names
         self._handle.publish_feedback(conversions.feedback(names, feedback, rospy.get_time()))
 

@@ -57,7 +57,7 @@ if TYPE_CHECKING:
 
     from aioduco.integrations.ros.service_table import ServiceEntry
     from aioduco.integrations.ros.trajectory_goals import TrajectoryGoal
-    from aioduco.integrations.ros.trajectory_server import GoalProgress, PathFeedback
+    from aioduco.integrations.ros.trajectory_server import GoalProgress
 
 __all__ = ["DriverNode"]
 
@@ -122,7 +122,7 @@ class _ActionGoal:
     def accepted(self) -> None:
         """Do nothing: rclpy has already informed the client."""
 
-    def feedback(self, feedback: PathFeedback) -> None:
+    def feedback(self, feedback: GoalProgress) -> None:
         node = self._node
         self._handle.publish_feedback(conversions.feedback(node.names, feedback, node.wall()))
 
@@ -169,7 +169,7 @@ class _TopicGoal:
     def accepted(self) -> None:
         """Do nothing: there is no client."""
 
-    def feedback(self, feedback: PathFeedback) -> None:
+    def feedback(self, feedback: GoalProgress) -> None:
         """Do nothing: there is no client."""
 
     def succeeded(self) -> None:

@@ -16,7 +16,7 @@ from aioduco.integrations.ros.trajectory_goals import ErrorCode, GoalRefused
 
 if TYPE_CHECKING:
     from aioduco.integrations.ros.trajectory_goals import TrajectoryGoal
-    from aioduco.integrations.ros.trajectory_server import PathFeedback
+    from aioduco.integrations.ros.trajectory_server import GoalProgress
 
 __all__ = ["controller_state", "feedback", "goal", "result", "stamp", "trajectory"]
 
@@ -60,13 +60,13 @@ def result(code: ErrorCode, text: str) -> Any:
     return FollowJointTrajectory.Result(error_code=int(code), error_string=text)
 
 
-def feedback(names: tuple[str, ...], found: PathFeedback, at: float) -> Any:
+def feedback(names: tuple[str, ...], found: GoalProgress, at: float) -> Any:
     """A feedback of FollowJointTrajectory, with joints in the arm's order."""
     message = FollowJointTrajectory.Feedback(joint_names=list(names))
     return shared_messages.progress(message, found, stamp(at), _filled(Duration, found.time))
 
 
-def controller_state(names: tuple[str, ...], found: PathFeedback, factor: float, at: float) -> Any:
+def controller_state(names: tuple[str, ...], found: GoalProgress, factor: float, at: float) -> Any:
     """Where the arm is and is to be, under the present names and those of Humble."""
     message = JointTrajectoryControllerState(joint_names=list(names))
     if hasattr(message, "speed_scaling_factor"):
