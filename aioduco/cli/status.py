@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from aioduco.models.state import RobotStates, RobotStatus
     from aioduco.sync import Robot
 
-__all__ = ["degrees", "joints_line", "look", "pose_line", "status"]
+__all__ = ["degrees", "joints_line", "look", "pose_line", "states_line", "status"]
 
 
 def status(
@@ -116,18 +116,21 @@ def _lines(address: RobotAddress, found: dict[str, Any]) -> list[str]:
     stopped = ", EMERGENCY STOP pressed" if found["emergency_stop"] else ""
     if found["collision_joint"] is not None:
         stopped += f", COLLISION at joint {found['collision_joint']}"
-    states = ", ".join(
-        f"{name} {found[name].name}" for name in ("robot", "program", "safety", "mode")
-    )
     return [
         f"{address}: {arm}, software {software}",
-        f"{states}{stopped}",
+        f"{states_line(found)}{stopped}",
         f"joints {joints_line(found['joints'])}",
         f"tool   {pose_line(found['pose'])}",
         f"moving {'yes' if found['moving'] else 'no'}",
         f"ready  {readiness(found)}",
         f"errors {errors}",
     ]
+
+
+def states_line(found: dict[str, Any]) -> str:
+    """The four states as one line."""
+    names = ("robot", "program", "safety", "mode")
+    return ", ".join(f"{name} {found[name].name}" for name in names)
 
 
 def readiness(found: dict[str, Any]) -> str:

@@ -66,7 +66,6 @@ def stop_at(address: RobotAddress, *, as_json: bool) -> None:
     with ended_by_errors():
         states = anyio.run(stop_arm, address.host, address.port)
     if as_json:
-        names = ("robot", "program", "safety", "mode")
-        print_json({name: getattr(states, name) for name in names})
+        print_json(states)
     else:
         say(f"{address}: stopped: the arm stands; {states}")

@@ -12,13 +12,12 @@ import typer
 from aioduco.cli.addresses import CellFile, Host, Port, RobotAddress, robot_at
 from aioduco.cli.exit_codes import fail
 from aioduco.cli.options import Yes
-from aioduco.cli.output import print_json, say
+from aioduco.cli.output import plain, print_json, say
 from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.sessions import observing_session
 
 if TYPE_CHECKING:
     from aioduco import RecoverReport
-    from aioduco.models.state import RobotStates
 
 __all__ = ["bring_up", "pause", "recover", "resume", "stop"]
 
@@ -103,7 +102,7 @@ def pause(host: Host = None, port: Port = None, cell: CellFile = None, json: Jso
         robot.pause()
         states = robot.state.get_robot_state()
     if json:
-        print_json(_named(states))
+        print_json(states)
     else:
         say(f"{address}: paused: the arm stands; {states}")
 
@@ -132,7 +131,7 @@ def resume(
         paused = robot.resume()
         states = robot.state.get_robot_state()
     if json:
-        print_json(_named(states))
+        print_json(states)
     elif paused:
         say(f"{address}: resumed; {states}")
     if not paused:
@@ -142,12 +141,8 @@ def resume(
 def _ready(address: RobotAddress, report: RecoverReport, as_json: bool) -> None:
     """Print the states of an arm that can move, and what to do before forces are measured."""
     if as_json:
-        print_json(_named(report.states) | {"advice": report.advice})
+        print_json(plain(report.states) | {"advice": report.advice})
     else:
         say(f"{address}: ready; {report.states}")
     if report.advice:
         say(report.advice, error=True)
-
-
-def _named(states: RobotStates) -> dict[str, object]:
-    return {name: getattr(states, name) for name in ("robot", "program", "safety", "mode")}

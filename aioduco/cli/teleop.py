@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import enum
 from contextlib import nullcontext
+from dataclasses import dataclass
 from pathlib import Path  # noqa: TC003 - typer evaluates the annotations
 from typing import TYPE_CHECKING, Annotated
 
@@ -131,26 +132,17 @@ def teleop(
         task.lead(robot)
 
 
+@dataclass(frozen=True, slots=True)
 class _Leading:
     """One device that leads one robot."""
 
-    def __init__(
-        self,
-        device: InputDevice,
-        kind: DeviceName,
-        scale: TeleopScale,
-        frame: TeleopFrame,
-        wobj: str,
-        joints: bool,
-        record: Path | None,
-    ) -> None:
-        self._device = device
-        self._kind = kind
-        self._scale = scale
-        self._frame = frame
-        self._wobj = wobj
-        self._joints = joints
-        self._record = record
+    device: InputDevice
+    kind: DeviceName
+    scale: TeleopScale
+    frame: TeleopFrame
+    wobj: str
+    joints: bool
+    record: Path | None
 
     def simulate(self) -> None:
         """Lead a simulated arm."""
@@ -169,16 +161,16 @@ class _Leading:
         """Lead an arm that is ready, and print a summary."""
         import aioduco.sync  # noqa: PLC0415
 
-        recording = None if self._record is None else robot.record(self._record)
-        with recording or nullcontext(), self._device as device:
-            say(_HELP[self._kind])
+        recording = None if self.record is None else robot.record(self.record)
+        with recording or nullcontext(), self.device as device:
+            say(_HELP[self.kind])
             report = aioduco.sync.teleoperate(
                 robot,
                 device,
-                self._scale,
-                frame=self._frame.value,
-                wobj=self._wobj,
-                joints=self._joints,
+                self.scale,
+                frame=self.frame.value,
+                wobj=self.wobj,
+                joints=self.joints,
             )
         kept = "" if recording is None else f"; recorded to {recording.path}"
         say(f"led {report.held} times, for {report.seconds:.1f} s in all{kept}")

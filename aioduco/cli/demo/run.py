@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import anyio
 import numpy as np
@@ -17,8 +17,9 @@ from aioduco.cli.demo.report import Report
 from aioduco.cli.demo.script import GRIPPER_NAME, Choreography, scene
 from aioduco.cli.exit_codes import write_file
 from aioduco.cli.output import say
-from aioduco.cli.questions import ask
+from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.safe_console import SafeConsole
+from aioduco.cli.status import look, states_line
 from aioduco.errors import DucoError
 from aioduco.kinematics import forward
 from aioduco.models.host_port import host_port
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco.cli.addresses import RobotAddress
-    from aioduco.cli.demo.session import FoundArm
     from aioduco.cli.demo.stage import Look
     from aioduco.kinematics import Arm
     from aioduco.models.controller_clock import Clock
@@ -66,7 +66,7 @@ def run(
     plan = Choreography.for_reach(arm.reach, careful=address is not None)
     if address is not None:
         if not yes:
-            _ask(address, model, plan, console)
+            ask(_warning(address, model, plan, look(address)), "Move the arm?", yes=False)
         report = Report(model, str(address), simulated=False)
         ended_by = _perform(address.host, address.port, plan, report, console)
     else:
@@ -75,12 +75,12 @@ def run(
         cell = {"scene": scene(arm, plan), "gripper": GRIPPER_NAME}
         with Simulator.spawn(model=model, speed=speed, joints=LEFT, **cell) as sim:
 
-            def look() -> tuple[float, float, float]:
+            def see() -> tuple[float, float, float]:
                 x, y, z = sim.positions[-7:-4].tolist()  # the box comes last, with its quaternion
                 return x, y, z
 
             report = Report(model, host_port(sim.host, sim.port), simulated=True, speed=speed)
-            ended_by = _perform(sim.host, sim.port, plan, report, console, sim.clock, look)
+            ended_by = _perform(sim.host, sim.port, plan, report, console, sim.clock, see)
 
     console.print(view.summary(report))
     if report.error:
@@ -89,7 +89,7 @@ def run(
         _plot(report, arm, plot)
         console.print(f"plot: {plot}", highlight=False)
     if result is not None:
-        _write(report, result)
+        _put(report.as_json(), result)
     if ended_by is not None:
         raise typer.Exit(128 + ended_by)  # as in a shell: 130 for Ctrl-C
     raise typer.Exit(0 if report.ok else 1)
@@ -116,8 +116,7 @@ def run_planned(
         console.print(f"error: {error}", style="bold red", markup=False, highlight=False)
         raise typer.Exit(1) from None
     if result is not None:
-        text = json.dumps({"model": model, "steps": [step._asdict() for step in steps]}, indent=2)
-        _put(text, result)
+        _put({"model": model, "steps": [step._asdict() for step in steps]}, result)
 
 
 def _perform(
@@ -138,24 +137,14 @@ def _perform(
         shown.close()
 
 
-def _ask(address: RobotAddress, model: str, plan: Choreography, console: SafeConsole) -> None:
-    """Print what was found and what will move, and continue only if the user confirms it."""
-    try:
-        found = anyio.run(session.look, address.host, address.port)
-    except DucoError as error:
-        console.print(f"error: {error}", style="bold red", markup=False, highlight=False)
-        raise typer.Exit(1) from None
-    ask(_warning(str(address), model, plan, found), "Move the arm?", yes=False)
-
-
-def _warning(controller: str, model: str, plan: Choreography, found: FoundArm) -> str:
+def _warning(address: RobotAddress, model: str, plan: Choreography, found: dict[str, Any]) -> str:
     """The warning before the arm moves."""
-    now, start = found.status.joints.array, plan.start.array
+    now, start = np.array(found["joints"]), plan.start.array
     far = np.rad2deg(np.abs(start - now))
     joint = int(far.argmax())
     return f"""\
-controller at {controller}: {found.states}
-the arm:       {found.arm or "not told by the controller"}; this plan is for a {model}
+controller at {address}: {states_line(found)}
+the arm:       {found["arm"] or "not told by the controller"}; this plan is for a {model}
 joints now:    {_degrees(now)}
 joints first:  {_degrees(start)}   (joint {joint + 1} turns by {far[joint]:.0f}°)
 joints aside:  {_degrees(plan.aside.array)}
@@ -163,7 +152,7 @@ The arm will be powered on and enabled if it is not. It goes to the first joints
 {plan.width * 1e3:.0f} mm to each side of there and {plan.depth * 1e3:.0f} mm below, and turns \
 aside and back. Joints turn at {np.rad2deg(plan.joint_speed):.0f} °/s, lines are made at \
 {plan.line_speed * 1e3:.0f} mm/s. Digital output 1 switches.
-No path is checked for obstacles. Is everyone out of reach, and someone at the emergency stop?"""
+{SAFE}"""
 
 
 def _degrees(joints: NDArray[np.float64]) -> str:
@@ -180,11 +169,8 @@ def _plot(report: Report, arm: Arm, path: Path) -> None:
     plot.save(report, path, skeleton)
 
 
-def _write(report: Report, path: Path) -> None:
-    _put(json.dumps(report.as_json(), indent=2), path)
-
-
-def _put(text: str, path: Path) -> None:
+def _put(result: dict[str, Any], path: Path) -> None:
+    text = json.dumps(result, indent=2)
     if path == OUTPUT:
         say(text)
     else:

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import anyio
 
-import aioduco
 from aioduco.cli.demo.script import pick_and_place
 from aioduco.cli.demo.stage import Stage
 from aioduco.cli.signals import receive_signals
-from aioduco.errors import ControllerError, DucoError
+from aioduco.errors import DucoError
 
 if TYPE_CHECKING:
     import signal
@@ -23,44 +21,11 @@ if TYPE_CHECKING:
     from aioduco.cli.demo.script import Choreography
     from aioduco.cli.demo.stage import Look
     from aioduco.cli.demo.view import View
-    from aioduco.models.state import RobotStates, RobotStatus
     from aioduco.robot import Robot
 
-__all__ = ["SAMPLES", "FoundArm", "look", "perform"]
+__all__ = ["SAMPLES", "perform"]
 
 SAMPLES = 100.0  # samples of the arm per second
-
-
-@dataclass(frozen=True, slots=True)
-class FoundArm:
-    """State of the controller and the arm before any motion is sent.
-
-    Attributes:
-        states: the controller's four states.
-        status: status of the arm, with its joints.
-        arm: series and model, as the controller reports them; empty if it reports none.
-    """
-
-    states: RobotStates
-    status: RobotStatus
-    arm: str
-
-
-async def look(host: str, port: int) -> FoundArm:
-    """Read the states of a controller and its arm, and disconnect. Nothing else is sent.
-
-    Raises:
-        ConnectError: there is no controller.
-    """
-    async with aioduco.connect(host, port, heartbeat=None) as robot:
-        try:
-            told = await robot.version.get_robot_type()
-            arm = f"{told.series} {told.model}".strip()
-        except ControllerError:  # older software lacks the function
-            arm = ""
-        return FoundArm(
-            await robot.state.get_robot_state(), await robot.state.getRobotStatus(), arm
-        )
 
 
 async def perform(
