@@ -7,7 +7,8 @@ from typing import Annotated, Final, TypeAlias
 
 import typer
 
-from aioduco.cli.robots_file import ENVIRONMENT, RobotAddress, WrongAddress, find, names
+from aioduco.cli.options import wrong_option
+from aioduco.cli.robots_file import ENVIRONMENT, RobotAddress, find, names
 
 __all__ = ["CellFile", "Host", "HostOption", "HostOrSimulator", "Port", "RobotAddress", "robot_at"]
 
@@ -18,10 +19,8 @@ def robot_at(given: str | None, port: int | None = None, cell: Path | None = Non
     Raises:
         typer.BadParameter: the file cannot be read, or the address is not valid.
     """
-    try:
+    with wrong_option():
         return find(given, port, cell)
-    except WrongAddress as error:
-        raise typer.BadParameter(str(error)) from None
 
 
 def _names(incomplete: str) -> list[str]:

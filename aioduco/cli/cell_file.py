@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, TypeAlias
 
 import typer
 
+from aioduco.cli.options import wrong_option
+
 if TYPE_CHECKING:
     from aioduco import Cell
 
@@ -27,12 +29,9 @@ def load_cell(path: Path) -> Cell:
         typer.BadParameter: it is not valid; the message has the line.
     """
     from aioduco import Cell  # noqa: PLC0415 - for commands with a cell alone
-    from aioduco.errors import CellFileError  # noqa: PLC0415
 
-    try:
+    with wrong_option():
         return Cell.load(path)
-    except CellFileError as error:
-        raise typer.BadParameter(str(error)) from None
 
 
 def simulated_parts(cell: Path | None, robot: str | None, **given: Any) -> dict[str, Any]:
@@ -48,12 +47,8 @@ def simulated_parts(cell: Path | None, robot: str | None, **given: Any) -> dict[
             raise typer.BadParameter("is a robot of --cell, which is not given",
                                      param_hint="--robot")  # fmt: skip
         return given
-    from aioduco.errors import ParameterError  # noqa: PLC0415
-
-    try:
+    with wrong_option():
         found = load_cell(cell).simulator_options(robot)
-    except ParameterError as error:
-        raise typer.BadParameter(str(error)) from None
     said = {
         key: value for key, value in given.items() if value is not None and value != _USUAL.get(key)
     }

@@ -10,7 +10,7 @@ import typer
 
 from aioduco.cli.addresses import CellFile, Port, RobotAddress, robot_at
 from aioduco.cli.cell_file import is_cell, load_cell
-from aioduco.cli.exit_codes import ended_by_errors, fail, write_file, writing
+from aioduco.cli.exit_codes import ended_by_errors, write_file, writing
 from aioduco.cli.number_lists import numbers
 from aioduco.cli.options import refuse_unused, require_writable
 from aioduco.cli.output import plain, say
@@ -224,13 +224,12 @@ def _points(
     tool: str | None,
     wobj: str | None,
 ) -> None:
-    from aioduco.errors import ParameterError  # noqa: PLC0415 - for this command alone
-    from aioduco.kinematics import check as look  # noqa: PLC0415
+    from aioduco.kinematics import check as look  # noqa: PLC0415 - for this command alone
     from aioduco.models.points import TaughtPoints  # noqa: PLC0415
     from aioduco.models.pose import Joints  # noqa: PLC0415
 
     tip: Sequence[float] | None = None if tool is None else numbers("tool", tool, 6)
-    try:
+    with ended_by_errors():
         if is_cell(file):
             kept = load_cell(file)
             if kept.robots or kept.arm:
@@ -247,8 +246,6 @@ def _points(
             near = next(taught, Joints.deg(30, -15, 105, 0, -90, 0))
         base = None if wobj is None else numbers("wobj", wobj, 6)
         report = look(points, arm=model, near=near, tool=tip, wobj=base)
-    except ParameterError as error:
-        fail(str(error), 2)
     say(str(report))
     if not report.ok:
         raise typer.Exit(1)

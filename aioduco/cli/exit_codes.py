@@ -23,6 +23,7 @@ __all__ = [
     "Terminated",
     "ended_by_errors",
     "fail",
+    "failing",
     "write_file",
     "writing",
 ]
@@ -61,6 +62,19 @@ def fail(message: object, code: int = FAILED) -> NoReturn:
 
     say(message, error=True)
     raise typer.Exit(code)
+
+
+@contextmanager
+def failing(*kinds: type[Exception], code: int = FAILED) -> Iterator[None]:
+    """End the command on errors of these kinds, with their message."""
+    import typer  # noqa: PLC0415 - not for `aioduco stop`, which is to be quick
+
+    try:
+        yield
+    except typer.Exit:  # a RuntimeError, of which the message is told already
+        raise
+    except kinds as error:
+        fail(error, code)
 
 
 @contextmanager

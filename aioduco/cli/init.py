@@ -14,7 +14,9 @@ import typer
 
 from aioduco.cli import extras
 from aioduco.cli.exit_codes import fail
+from aioduco.cli.options import wrong_option
 from aioduco.cli.output import say
+from aioduco.models.address import parse_address
 
 __all__ = ["init"]
 
@@ -42,14 +44,10 @@ def init(
     Exit codes: 0 written; 1 it cannot be written; 2 wrong options.
     """
     arm = extras.arm(model)
-    from aioduco.errors import ParameterError  # noqa: PLC0415
-    from aioduco.models.address import parse_address  # noqa: PLC0415 - for this command alone
-    from aioduco.models.pose import Joints, Pose  # noqa: PLC0415
+    from aioduco.models.pose import Joints, Pose  # noqa: PLC0415 - for this command alone
 
-    try:
+    with wrong_option():
         parse_address(host, name="--host")
-    except ParameterError as error:
-        raise typer.BadParameter(str(error)) from None
     # Points that every arm reaches: below where its flange is in the first configuration, and
     # farther out, as the table is, so that the arm is not folded over it.
     ready = Pose.from_matrix(arm.fkine(Joints.deg(20, -10, 100, 0, -90, 0).array))

@@ -11,7 +11,7 @@ import typer
 
 from aioduco.cli.addresses import CellFile, HostOption, Port, robot_at
 from aioduco.cli.move import carry_out, ready_arm
-from aioduco.cli.options import Json, Yes, refuse_unused
+from aioduco.cli.options import Json, Yes, refuse_unused, wrong_option
 from aioduco.cli.questions import SAFE, ask
 
 if TYPE_CHECKING:
@@ -90,8 +90,7 @@ def jog(
 
     Exit codes: as of `aioduco move joints`.
     """
-    from aioduco.errors import ParameterError  # noqa: PLC0415 - for commands with a robot alone
-    from aioduco.models.jog import Jog, JogFrame  # noqa: PLC0415
+    from aioduco.models.jog import Jog, JogFrame  # noqa: PLC0415 - for commands with a robot alone
 
     joint = _JOINT.fullmatch(axis)
     if joint is None and axis not in _DIRECTIONS:
@@ -109,14 +108,12 @@ def jog(
     length = None if step is None else step * (1e-3 if mm else math.pi / 180 if deg else 1.0)
     sign = 1 if direction is Direction.PLUS else -1
     named: Any = axis
-    try:
+    with wrong_option():
         if joint is not None:
             made = Jog.joint(int(joint[1]), sign, percent, step=length)
         else:
             in_frame = JogFrame[frame.name]
             made = Jog.cartesian(named, sign, percent, frame=in_frame, step=length)
-    except ParameterError as error:
-        raise typer.BadParameter(str(error)) from None
     directions = None if manual is None else manual.directions()
     address = robot_at(host, port, cell)
     ready_arm(address)

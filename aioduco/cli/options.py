@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 import os
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Final, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Final, TypeAlias
 
 import typer
+
+from aioduco.errors import CellFileError, ParameterError
+from aioduco.models.address import WrongAddress
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 __all__ = [
     "WITH_NUMBERS",
@@ -21,6 +28,7 @@ __all__ = [
     "refuse_unused",
     "require_readable",
     "require_writable",
+    "wrong_option",
 ]
 
 #: settings of a command with numbers among its arguments: a negative one is no option
@@ -49,6 +57,19 @@ MountingOption: TypeAlias = Annotated[
 Pedestal: TypeAlias = Annotated[
     float, typer.Option(help="Height of a column under an arm on the floor [m].")
 ]
+
+
+@contextmanager
+def wrong_option(option: str | None = None) -> Iterator[None]:
+    """End the command for a wrong option if what the block makes of it is not allowed.
+
+    Args:
+        option: name of the option; None if the message says it.
+    """
+    try:
+        yield
+    except (CellFileError, ParameterError, WrongAddress) as error:
+        raise typer.BadParameter(str(error), param_hint=option) from None
 
 
 def require_readable(option: str, path: Path | None) -> None:

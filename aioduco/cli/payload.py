@@ -14,7 +14,7 @@ from aioduco.cli.cell_file import is_cell, load_cell
 from aioduco.cli.exit_codes import USAGE, ended_by_errors, fail
 from aioduco.cli.extras import arm as arm_named
 from aioduco.cli.number_lists import Mounting
-from aioduco.cli.options import Json, Yes
+from aioduco.cli.options import Json, Yes, wrong_option
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import SAFE, ask, typed_line
 from aioduco.cli.sessions import control_session
@@ -167,13 +167,10 @@ def _check_load(load: _Numbers, sensor: Sensor) -> None:
     """Refuse --set-load if its value is no load, or if it has no effect."""
     if sensor is Sensor.FORCE:
         raise typer.BadParameter("it is for --sensor torque", param_hint="--set-load")
-    from aioduco.errors import ParameterError  # noqa: PLC0415 - quick help
-    from aioduco.models.ranges import LOAD  # noqa: PLC0415
+    from aioduco.models.ranges import LOAD  # noqa: PLC0415 - quick help
 
-    try:
+    with wrong_option("--set-load"):
         LOAD("load", load)
-    except ParameterError as error:
-        raise typer.BadParameter(str(error), param_hint="--set-load") from None
 
 
 def _check_name(tool: str | None) -> None:

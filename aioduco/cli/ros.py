@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
-from aioduco.cli.exit_codes import fail
+from aioduco.cli.exit_codes import fail, failing
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -96,7 +96,5 @@ def _run(
     if port is not None:
         given["port"] = port
     logging.getLogger("aioduco").setLevel(logging.INFO)
-    try:
+    with failing(DucoError):
         main(arguments, given)
-    except DucoError as error:
-        fail(str(error))

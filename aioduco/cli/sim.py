@@ -12,7 +12,7 @@ import typer
 from aioduco.cli import extras, picture, watching
 from aioduco.cli.addresses import CellFile
 from aioduco.cli.cell_file import RobotName, simulated_parts
-from aioduco.cli.exit_codes import USAGE, fail
+from aioduco.cli.exit_codes import USAGE, fail, failing
 from aioduco.cli.number_lists import mounting_option
 from aioduco.cli.options import MountingOption, Pedestal, SceneFile, ToolFile, require_writable
 from aioduco.cli.output import say
@@ -157,10 +157,8 @@ def sim(
             except OSError as error:
                 _fail_taken("127.0.0.1", f"{commands} for commands", error)
             stack.enter_context(contextlib.closing(lines))
-            try:
+            with failing(RenderError):
                 watch = watching.SimulatorWatch(simulator, render, view=view)
-            except RenderError as error:
-                fail(str(error))
             where = host_port(simulator.host, simulator.port)
             if simulator.status_port is not None:
                 where += f", status frames on {simulator.status_port}"

@@ -15,11 +15,10 @@ from aioduco._process.platform import private
 from aioduco._wire import idl
 from aioduco.cli import extras
 from aioduco.cli.addresses import CellFile, Host, Port, robot_at
-from aioduco.cli.exit_codes import fail, writing
-from aioduco.cli.options import require_writable
+from aioduco.cli.exit_codes import failing, writing
+from aioduco.cli.options import require_writable, wrong_option
 from aioduco.cli.output import say
 from aioduco.cli.signals import end_signals, handled
-from aioduco.errors import ParameterError
 from aioduco.models.address import parse_address
 from aioduco.models.host_port import host_port
 from aioduco.models.similar import unknown
@@ -63,37 +62,33 @@ def tap(
 
     require_writable("--output", output)
     address = robot_at(host, port, cell)
-    try:
+    with wrong_option("--listen"):
         where, number = parse_address(listen, any_port=True)
-    except ParameterError as error:
-        raise typer.BadParameter(str(error), param_hint="--listen") from None
     if number is None:
         raise typer.BadParameter("address:port is needed", param_hint="--listen")
     names = None if only is None else {name.strip() for name in only.split(",")}
     known = idl.names()
     for strange in sorted((names or set()) - known):
         raise typer.BadParameter(f"function {unknown(strange, known)}", param_hint="--only")
-    try:
-        with (
-            Tap(address.host, address.port, listen=(where, number)) as between,
-            _file(output, address.host, address.port) as write,
-            # Not raised, so that files are complete.
-            handled(end_signals(), lambda *_: between.end()),
-        ):
-            said = f"between {host_port(between.host, between.port)} and {address}; Ctrl-C ends it"
-            say(said, error=json)
-            begin = time.monotonic()
-            for item in between:
-                if not isinstance(item, TapNote):
-                    write(item)
-                    if names is not None and item.function not in names:
-                        continue
-                if json:
-                    say(_line(item))
-                else:
-                    say(f"{item.at - begin:10.3f} {item}")
-    except (DucoError, OSError, RuntimeError) as error:
-        fail(str(error))
+    with (
+        failing(DucoError, OSError, RuntimeError),
+        Tap(address.host, address.port, listen=(where, number)) as between,
+        _file(output, address.host, address.port) as write,
+        # Not raised, so that files are complete.
+        handled(end_signals(), lambda *_: between.end()),
+    ):
+        said = f"between {host_port(between.host, between.port)} and {address}; Ctrl-C ends it"
+        say(said, error=json)
+        begin = time.monotonic()
+        for item in between:
+            if not isinstance(item, TapNote):
+                write(item)
+                if names is not None and item.function not in names:
+                    continue
+            if json:
+                say(_line(item))
+            else:
+                say(f"{item.at - begin:10.3f} {item}")
 
 
 @contextlib.contextmanager

@@ -14,7 +14,7 @@ from aioduco.cli import extras
 from aioduco.cli.addresses import CellFile, HostOrSimulator, Port, robot_at
 from aioduco.cli.exit_codes import ended_by_errors
 from aioduco.cli.move import ready_arm
-from aioduco.cli.options import Yes, refuse_unused, require_writable
+from aioduco.cli.options import Yes, refuse_unused, require_writable, wrong_option
 from aioduco.cli.output import say
 from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.sessions import control_session
@@ -106,16 +106,13 @@ def teleop(
     require_writable("--record", record)
     extras.need(*(() if record is None else ("record",)), *(("sim",) if host is None else ()))
     from aioduco.devices.teleoperation import TeleopScale, open_device  # noqa: PLC0415
-    from aioduco.errors import ParameterError  # noqa: PLC0415 - for this command alone
 
     scale = TeleopScale(speed=speed, turn_speed=turn_speed, joint_speed=joint_speed)
-    try:
+    with wrong_option():
         opened = open_device(device.value, path)
         if device is not DeviceName.KEYBOARD:  # the terminal is needed for the question
             with opened:
                 pass  # it is there, and may be read
-    except ParameterError as error:
-        raise typer.BadParameter(str(error)) from None
     task = _Leading(opened, device, scale, frame, wobj, joints, record)
     if host is None:
         task.simulate()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 if TYPE_CHECKING:
     from aioduco.testing.faults import Fault
@@ -119,7 +119,8 @@ class Records:
         """Record that a step of a call was done now."""
         index = call - self._forgotten
         if index >= 0:
-            self.calls[index] = replace(self.calls[index], **{step: time.monotonic()})
+            now: dict[str, Any] = {step: time.monotonic()}
+            self.calls[index] = replace(self.calls[index], **now)
 
     def forget(self) -> None:
         """Drop the calls received so far; the counts continue."""
