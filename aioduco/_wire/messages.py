@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Final
 from aioduco._wire.framing import REPLY, Bounds, Malformed, StructScanner, TType
 
 if TYPE_CHECKING:
-    from collections.abc import Set
+    from collections.abc import Iterator, Set
 
 _VERSION: Final = 0x80010000
 _VERSION_MASK: Final = 0xFFFF0000
@@ -108,6 +108,16 @@ class Inbox:
     def feed(self, data: bytes) -> None:
         """Add bytes that were received."""
         self._data += data
+
+    def messages(self, data: bytes) -> Iterator[Message]:
+        """Add bytes that were received; iterate over the messages that they complete.
+
+        Raises:
+            Malformed: as `take`.
+        """
+        self.feed(data)
+        while (message := self.take()) is not None:
+            yield message
 
     def take(self) -> Message | None:
         """Remove and return the next whole message; None if more bytes are needed.

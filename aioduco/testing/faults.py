@@ -16,9 +16,9 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from aioduco._process.copying import Uncopied
+from aioduco._wire.messages import Message, MessageType, application_error
 from aioduco.models import ranges
 from aioduco.models.rules import stored
-from aioduco.testing.message_parser import Message, MessageType, application_error
 
 __all__ = [
     "ApplicationError",

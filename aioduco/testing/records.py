@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 if TYPE_CHECKING:
+    from aioduco._wire.messages import Message
     from aioduco.testing.faults import Fault
-    from aioduco.testing.message_parser import Message
 
 __all__ = ["CallRecord", "ConnectionRecord", "ProxyStatistics", "Records"]
 

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import anyio
 
+from aioduco._wire.framing import Malformed
+from aioduco._wire.messages import Inbox, Message, application_error
 from aioduco.testing.awaited_socket import AwaitedSocket
 from aioduco.testing.faults import (
     ApplicationError,
@@ -24,7 +26,6 @@ from aioduco.testing.faults import (
     Throttle,
     rewritten,
 )
-from aioduco.testing.message_parser import Message, MessageError, MessageParser, application_error
 
 if TYPE_CHECKING:
     import random
@@ -136,7 +137,7 @@ class Relay:
         name: str,
     ) -> None:
         """Handle one side's messages until it sends no more; then send a FIN to the other side."""
-        parser = MessageParser()
+        inbox = Inbox()
         readable = True
         try:
             while data := await source.receive():
@@ -144,15 +145,12 @@ class Relay:
                     await self._send(sink, data)
                     continue
                 try:
-                    found = parser.feed(data)
-                    while found:
-                        for message in found:
-                            await handle(message)
-                        found = parser.feed(b"")
-                except MessageError:
+                    for message in inbox.messages(data):
+                        await handle(message)
+                except Malformed:
                     # the proxy does not reject it: it forwards this and all that follows unchanged
                     readable = False
-                    await self._send(sink, parser.pending)
+                    await self._send(sink, inbox.pending)
             await self._valve.passed()
             await self._own_valve.passed()
         except OSError:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from aioduco._wire.messages import Message, MessageType
 from aioduco.testing import (
     ApplicationError,
     Cut,
@@ -20,7 +21,6 @@ from aioduco.testing import (
     WrongMethod,
     WrongSeqid,
 )
-from aioduco.testing.message_parser import Message, MessageType
 
 from .calls import NO
 

@@ -28,7 +28,7 @@ from typing import Any
 from thriftpy2.thrift import TType
 
 from aioduco._wire import idl
-from aioduco.testing.message_parser import Message, MessageParser, MessageType
+from aioduco._wire.messages import Inbox, Message, MessageType
 
 from .raw import RawClient, encode
 
@@ -227,7 +227,7 @@ class Fuzzer:
 
     def _exchange(self, data: bytes, *, reset: bool) -> tuple[list[Message], bool]:
         """Send, and read until the server closes; with `reset`, leave without a word instead."""
-        parser = MessageParser()
+        inbox = Inbox()
         answers: list[Message] = []
         with socket.create_connection(("127.0.0.1", self._port), timeout=_PATIENCE) as sock:
             try:
@@ -237,7 +237,7 @@ class Fuzzer:
                     return [], False
                 sock.shutdown(socket.SHUT_WR)
                 while received := sock.recv(1 << 16):
-                    answers += parser.feed(received)
+                    answers += inbox.messages(received)
             except ConnectionError:
                 # Bytes that came after the broken frame make the server's end a reset, and what
                 # it had sent may be gone with it.

@@ -9,7 +9,8 @@ from dataclasses import replace
 
 from wire.servers import Peer, ScriptedServer
 
-from aioduco.testing.message_parser import Message, MessageError, MessageParser, MessageType
+from aioduco._wire.framing import Malformed
+from aioduco._wire.messages import Inbox, Message, MessageType
 
 
 class EchoServer(ScriptedServer):
@@ -22,13 +23,13 @@ class EchoServer(ScriptedServer):
         self.ended = 0
 
     def _echo(self, peer: Peer) -> None:
-        parser = MessageParser()
-        with peer.sock as sock, suppress(OSError, MessageError):
+        inbox = Inbox()
+        with peer.sock as sock, suppress(OSError, Malformed):
             while data := sock.recv(4096):
-                for message in parser.feed(data):
+                for message in inbox.messages(data):
                     self.received.append(message)
                     sock.sendall(replace(message, kind=MessageType.REPLY).encode())
-        self.rest.append(parser.pending)
+        self.rest.append(inbox.pending)
         self.ended += 1
 
 
@@ -41,6 +42,6 @@ def call(name: str = "read_word_reg", seqid: int = 1, payload: str = "") -> Mess
 
 def replies(sock: socket.socket) -> Iterator[Message]:
     """What comes on a connection, message by message, until its end."""
-    parser = MessageParser()
+    inbox = Inbox()
     while data := sock.recv(4096):
-        yield from parser.feed(data)
+        yield from inbox.messages(data)

@@ -14,6 +14,7 @@ from functools import partial
 import anyio
 import pytest
 
+from aioduco._wire.messages import Message, MessageType, application_error
 from aioduco.errors import ParameterError
 from aioduco.testing import (
     ApplicationError,
@@ -37,7 +38,6 @@ from aioduco.testing import (
     eventually,
     no_leaks,
 )
-from aioduco.testing.message_parser import Message, MessageType, application_error
 
 from .echo import EchoServer, call, replies
 

@@ -15,8 +15,8 @@ from thriftpy2.thrift import TType
 from thriftpy2.transport import TCyMemoryBuffer
 
 from aioduco._wire import idl, rpc
-from aioduco.testing.message_parser import Message as Raw
-from aioduco.testing.message_parser import MessageParser, application_error
+from aioduco._wire.messages import Inbox, application_error
+from aioduco._wire.messages import Message as Raw
 
 _protocol: Any = TCyBinaryProtocol
 
@@ -79,7 +79,7 @@ class Peer:
         self.server = server
         self.sock = sock
         self.number = number
-        self._parser = MessageParser()
+        self._inbox = Inbox()
         self._pending: list[Raw] = []
 
     def receive(self) -> Received | None:
@@ -91,7 +91,7 @@ class Peer:
                 return None
             if not data:
                 return None
-            self._pending = self._parser.feed(data)
+            self._pending += self._inbox.messages(data)
         raw = self._pending.pop(0)
         return self.server.note(raw)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from aioduco._wire import codec, idl
-from aioduco.testing.message_parser import MessageParser
+from aioduco._wire.messages import Inbox
 
 from .servers import exception, reply
 
@@ -18,7 +18,7 @@ NOTHING = b"\x00"
 def test_answers_to_a_batch_are_told_apart_in_one_piece_and_in_many(size: int) -> None:
     exchange = codec.Exchange(lambda: 1.5)
     further = [(FUNCTIONS[name], NOTHING) for name in NAMES[1:]]
-    calls = MessageParser().feed(exchange.begin(FUNCTIONS[NAMES[0]], NOTHING, further))
+    calls = [*Inbox().messages(exchange.begin(FUNCTIONS[NAMES[0]], NOTHING, further))]
     assert [call.name for call in calls] == [*NAMES]
     data = reply(calls[0], [0.5] * 6) + exception(calls[1], 6, "busy") + reply(calls[2], True)
     pieces = [data[at : at + size] for at in range(0, len(data), size)]
@@ -35,7 +35,7 @@ def test_answers_to_a_batch_are_told_apart_in_one_piece_and_in_many(size: int) -
 
 def test_bytes_behind_the_last_answer_are_surplus() -> None:
     exchange = codec.Exchange(lambda: 0.0)
-    (call,) = MessageParser().feed(exchange.begin(FUNCTIONS["robotmoving"], NOTHING))
+    (call,) = Inbox().messages(exchange.begin(FUNCTIONS["robotmoving"], NOTHING))
     assert exchange.receive(reply(call, True) + b"\x00")
     assert exchange.surplus
 
@@ -51,6 +51,6 @@ def test_no_two_connections_begin_with_the_same_number() -> None:
     first = set()
     for _ in range(3):
         message = codec.Exchange(lambda: 0.0).begin(FUNCTIONS["robotmoving"], NOTHING)
-        first.add(MessageParser().feed(message)[0].seqid)
+        first |= {each.seqid for each in Inbox().messages(message)}
     assert max(first) > 1_000
     assert len(first) == 3

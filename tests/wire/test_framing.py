@@ -12,8 +12,8 @@ from thriftpy2.thrift import TType
 
 from aioduco._wire import codec, idl, rpc
 from aioduco._wire.framing import MAX_REPLY, Malformed, StructScanner
+from aioduco._wire.messages import Message, MessageType
 from aioduco.errors import ControllerError, UnknownFunction
-from aioduco.testing.message_parser import Message, MessageType
 
 from .servers import exception, reply
 

@@ -14,6 +14,7 @@ import pytest
 
 from aioduco._wire.lane import WireLane
 from aioduco._wire.lifecycle import ConnectionState, Progress
+from aioduco._wire.messages import Message, MessageType
 from aioduco.errors import (
     CallTimeout,
     ConnectError,
@@ -22,7 +23,6 @@ from aioduco.errors import (
     ProtocolError,
 )
 from aioduco.testing import eventually_async, no_leaks
-from aioduco.testing.message_parser import Message, MessageType
 
 from .lanes import SHORT, channel, noted, opened
 from .servers import PATIENCE, Peer, ScriptedServer, reply

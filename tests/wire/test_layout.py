@@ -17,7 +17,7 @@ from thriftpy2.transport import TCyMemoryBuffer
 from aioduco._wire import codec, idl, rpc
 from aioduco._wire.framing import Malformed, StructScanner
 from aioduco._wire.layout import Layouts
-from aioduco.testing.message_parser import Message, MessageType
+from aioduco._wire.messages import Message, MessageType
 
 from .servers import reply
 from .test_framing import FUNCTIONS, answers

@@ -133,9 +133,8 @@ class Conversation:
         self, state: _ConnectionState, at: float, connection: int, kind: CopyKind, data: bytes
     ) -> Iterator[TappedCall | TapNote]:
         inbox = state.calls if kind is CopyKind.REQUEST else state.answers
-        inbox.feed(data)
         try:
-            while (message := inbox.take()) is not None:
+            for message in inbox.messages(data):
                 if kind is CopyKind.ANSWER:
                     yield from _answered(state, at, connection, message)
                 elif message.kind is MessageType.ONEWAY:

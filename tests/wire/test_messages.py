@@ -1,12 +1,13 @@
-"""The parser of message boundaries against thriftpy2's encoder, however the stream is cut."""
+"""Messages are found in a stream as thriftpy2 encodes them, however the stream is cut.
+
+What is no message is refused: `tests/sim/test_message.py` and `test_framing.py`.
+"""
 
 from __future__ import annotations
 
-from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from thriftpy2.protocol import binary
@@ -14,13 +15,7 @@ from thriftpy2.thrift import TApplicationException, TMessageType, TType
 from thriftpy2.transport import memory
 
 from aioduco._wire import idl
-from aioduco.testing.message_parser import (
-    Message,
-    MessageError,
-    MessageParser,
-    MessageType,
-    application_error,
-)
+from aioduco._wire.messages import Inbox, Message, MessageType, application_error
 
 #: the encoder in pure Python, which has no types of its own
 TBinaryProtocol: Any = binary.TBinaryProtocol
@@ -89,22 +84,22 @@ def cut(draw: st.DrawFn, stream: bytes) -> list[bytes]:
 def test_finds_the_messages_that_were_encoded(
     data: st.DataObject, sent: list[tuple[Message, bytes]]
 ) -> None:
-    parser = MessageParser()
-    found = []
+    inbox = Inbox()
+    found: list[Message] = []
     for piece in data.draw(cut(b"".join(encoded for _, encoded in sent))):
-        found += parser.feed(piece)
+        found += inbox.messages(piece)
     assert found == [message for message, _ in sent]
-    assert parser.pending == b""
+    assert inbox.pending == b""
 
 
 @given(messages())
 def test_gives_a_message_with_its_last_byte_and_not_before(sent: tuple[Message, bytes]) -> None:
     message, encoded = sent
-    parser = MessageParser()
+    inbox = Inbox()
     for at in range(len(encoded) - 1):
-        assert parser.feed(encoded[at : at + 1]) == []
-    assert parser.pending == encoded[:-1]
-    assert parser.feed(encoded[-1:]) == [message]
+        assert not [*inbox.messages(encoded[at : at + 1])]
+    assert inbox.pending == encoded[:-1]
+    assert [*inbox.messages(encoded[-1:])] == [message]
 
 
 @given(messages())
@@ -128,57 +123,8 @@ def test_gets_past_maps_of_values_of_no_fixed_size(value: dict[str, list[str]]) 
     protocol = TBinaryProtocol(out)
     protocol.write_message_begin("f", TMessageType.CALL, 7)
     protocol.write_struct(struct)
-    (found,) = MessageParser().feed(out.getvalue())
+    (found,) = Inbox().messages(out.getvalue())
     assert found.encode() == out.getvalue()
-
-
-@given(st.binary(max_size=200))
-def test_any_bytes_give_messages_or_an_error_and_nothing_else(noise: bytes) -> None:
-    header = Message(MessageType.CALL, "f", 1, b"").encode()
-    for stream in (noise, header + noise):
-        parser = MessageParser()
-        found: list[Message] = []
-        try:
-            for at in range(len(stream)):
-                found += parser.feed(stream[at : at + 1])
-        except MessageError:
-            with pytest.raises(MessageError):
-                parser.feed(b"")
-        taken = b"".join(message.encode() for message in found)
-        assert stream.startswith(taken)
-        assert (taken + parser.pending) == stream[: len(taken) + len(parser.pending)]
-
-
-GOOD = Message(MessageType.REPLY, "get_tcp_pose", 3, b"\x00")
-
-
-def test_whole_messages_before_a_wrong_one_are_given_first() -> None:
-    parser = MessageParser()
-    assert parser.feed(GOOD.encode() + b"garbage!") == [GOOD]
-    assert parser.pending == b"garbage!"
-    with pytest.raises(MessageError, match=r"garbage!.* begins no message"):
-        parser.feed(b"")
-
-
-@pytest.mark.parametrize(
-    ("stream", "reason"),
-    [
-        (b"\x00\x00\x00\x04stop", "strict"),  # not strict
-        (b"\x80\x01\x00\x09", "type 9"),
-        (b"\x80\x01\x00\x01\xff\xff\xff\xff", "name of -1"),
-        (b"\x80\x01\x00\x01\x00\x00\x00\x00", "name of 0"),
-        (b"\x80\x01\x00\x01\x00\x00\x00\x01\xff\x00\x00\x00\x01", "not ASCII"),
-        (replace(GOOD, body=b"\x05\x00\x01").encode(), "no type 5"),
-        (replace(GOOD, body=b"\x0b\x00\x01\xff\xff\xff\xff").encode(), "string of -1"),
-        (replace(GOOD, body=b"\x0b\x00\x01\x7f\xff\xff\xff").encode(), "string of"),
-        (replace(GOOD, body=b"\x0f\x00\x01\x04\x00\x20\x00\x00").encode(), "more than"),
-        (replace(GOOD, body=b"\x0f\x00\x01\x01\x00\x00\x00\x01\x00").encode(), "no type 1"),
-        (replace(GOOD, body=b"\x0c\x00\x01" * 200).encode(), "nested deeper"),
-    ],
-)
-def test_says_what_is_wrong(stream: bytes, reason: str) -> None:
-    with pytest.raises(MessageError, match=reason):
-        MessageParser().feed(stream)
 
 
 def test_an_application_error_is_what_thriftpy2_reads() -> None:
@@ -188,4 +134,4 @@ def test_an_application_error_is_what_thriftpy2_reads() -> None:
     raised = TApplicationException()
     protocol.read_struct(raised)
     assert (raised.type, raised.message) == (6, "not today")
-    assert MessageParser().feed(error.encode()) == [error]
+    assert [*Inbox().messages(error.encode())] == [error]
