@@ -553,7 +553,7 @@ def test_a_tap_says_that_it_cannot_listen() -> None:
 
 def test_a_tap_says_once_that_its_file_cannot_be_written(tmp_path: Path) -> None:
     answer = run("tap", NOBODY, "--listen", "127.0.0.1:0", "--output", str(tmp_path))
-    assert answer.exit_code == 1
+    assert answer.exit_code == 2
     assert answer.stderr == f"{tmp_path} cannot be written: Is a directory\n"
 
 
