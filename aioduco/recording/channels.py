@@ -33,6 +33,7 @@ from foxglove.messages import (
 )
 
 from aioduco._process.platform import private
+from aioduco.models.rotation import quaternion_from_rpy
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -529,20 +530,11 @@ def _rounded(values: Iterable[float], digits: int = _ROUGH) -> list[float | None
 def _transform_numbers(pose: Pose) -> tuple[float, ...]:
     """Return position and quaternion, x first and w at least 0, rounded to their grids."""
     x, y, z, rx, ry, rz = pose
-    cr, sr = math.cos(rx / 2), math.sin(rx / 2)
-    cp, sp = math.cos(ry / 2), math.sin(ry / 2)
-    cy, sy = math.cos(rz / 2), math.sin(rz / 2)
-    w = cr * cp * cy + sr * sp * sy
-    turned = (
-        sr * cp * cy - cr * sp * sy,
-        cr * sp * cy + sr * cp * sy,
-        cr * cp * sy - sr * sp * cy,
-        w,
-    )
+    w, *axis = quaternion_from_rpy(rx, ry, rz)
     sign = QUATERNION if w >= 0.0 else -QUATERNION
     return (
         *(round(value * LENGTH) / LENGTH for value in (x, y, z)),
-        *(round(value * sign) / QUATERNION for value in turned),
+        *(round(value * sign) / QUATERNION for value in (*axis, w)),
     )
 
 

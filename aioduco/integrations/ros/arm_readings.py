@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from enum import IntEnum
-from math import cos, sin
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from aioduco import ProgramState, RobotState, SafetyState
+from aioduco.models.rotation import quaternion_from_rpy
 
 if TYPE_CHECKING:
     from aioduco import Load, Pose, RobotStatus, Snapshot
@@ -122,14 +122,8 @@ _Vector: TypeAlias = "tuple[float, float, float]"
 
 def _quaternion(pose: Pose) -> _Quaternion:
     """The orientation of a pose as a quaternion of ROS."""
-    cx, cy, cz = cos(0.5 * pose.rx), cos(0.5 * pose.ry), cos(0.5 * pose.rz)
-    sx, sy, sz = sin(0.5 * pose.rx), sin(0.5 * pose.ry), sin(0.5 * pose.rz)
-    return (
-        sx * cy * cz - cx * sy * sz,
-        cx * sy * cz + sx * cy * sz,
-        cx * cy * sz - sx * sy * cz,
-        cx * cy * cz + sx * sy * sz,
-    )
+    w, x, y, z = quaternion_from_rpy(pose.rx, pose.ry, pose.rz)
+    return x, y, z, w
 
 
 def _product(one: _Quaternion, other: _Quaternion) -> _Quaternion:
