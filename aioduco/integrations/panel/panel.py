@@ -60,7 +60,7 @@ from aioduco.integrations.panel.page_state import (
     page_sample,
 )
 from aioduco.integrations.panel.simulator_port import ask_simulator
-from aioduco.integrations.panel.twin_view import TWIN_RATE, TwinView, parted_text
+from aioduco.integrations.panel.twin_view import TWIN_RATE, parted_text, twin_line
 from aioduco.kinematics import arm as arm_of
 from aioduco.kinematics.catalogue import model_named
 from aioduco.models.host_port import host_port
@@ -148,6 +148,9 @@ class Panel(Uncopied):
             or the limits, from `aioduco.sim.twin.learn`. It reports, and never commands.
         options: further options of `connect`, for both robots, such as `clock`.
 
+    Attributes:
+        twin: the arm's twin; None without one, and before the panel is open.
+
     Raises:
         ParameterError: an argument is out of range.
     """
@@ -180,6 +183,7 @@ class Panel(Uncopied):
         if model is not None:
             arm_of(model)
         self.token: str = secrets.token_urlsafe(18) if token is None else token
+        self.twin: Twin | None = None
         self.rate = rate
         self._address = (host, port)
         self._options = {"lag_limit": None, **options}
@@ -202,7 +206,6 @@ class Panel(Uncopied):
         self._observer.feed.forces = True
         self._commander: Robot | None = None
         self._scene: ArmScene | None = None
-        self._twin: TwinView | None = None
         self._arm = arm_of(model or _DRAWN_AS)
         self._measured = Measurement(self._arm)
         self._all: TaskGroup | None = None
@@ -231,11 +234,6 @@ class Panel(Uncopied):
         return f"<Panel of {self._name} on {self.url}, {self._lease!r}>"
 
     @property
-    def twin(self) -> Twin | None:
-        """The arm's twin; None without one."""
-        return None if self._twin is None else self._twin.twin
-
-    @property
     def url(self) -> str:
         """Address of the page, for observers."""
         return f"http://{host_port(self._server.host, self._server.port)}/"
@@ -262,9 +260,13 @@ class Panel(Uncopied):
             self._scene = await anyio.to_thread.run_sync(self._make_scene)
             stack.push_async_callback(anyio.to_thread.run_sync, self._scene.close)
             if (limits := self._twin_limits) is not False:
-                known = None if limits is True else limits
-                self._twin = TwinView(self._observer, known, self._arm, self._scene_around)
-                await stack.enter_async_context(self._twin.twin)
+                known, around = None if limits is True else limits, self._scene_around
+                mounting = None if around is None else around.mounting
+                # The twin sees the arm alone: other programs may command it.
+                self.twin = self._observer.twin(
+                    known, arm=self._arm.name, mounting=mounting, commands=False
+                )
+                await stack.enter_async_context(self.twin)
             self._all = group = await anyio.create_task_group().__aenter__()
             stack.push_async_callback(self._end_work, group)
             for work in (self._samples, self._happenings, self._ask_seldom, self._tell):
@@ -324,7 +326,7 @@ class Panel(Uncopied):
             "fastest": self._arm.velocity,
             "scene_port": None if scene is None else scene.port,
             "watch_only": not self.token,
-            "twin": self._twin is not None,
+            "twin": self.twin is not None,
             "simulator": self._simulator_port is not None,
             "limits": () if self._envelope is None else self._envelope.titles,
             "rate": self.rate,
@@ -665,7 +667,7 @@ class Panel(Uncopied):
         self._sent.pop(number - self._numbered, None)
         if self._scene is not None and sample is not None:
             told = sample.status
-            twin = None if self._twin is None else self._twin.joints
+            twin = None if self.twin is None else self.twin.joints
             self._scene.show([*told.joints], [*told.expected_joints], self._aim, twin)
         age = math.inf if sample is None else sample.age
         robot = self._commander
@@ -686,7 +688,7 @@ class Panel(Uncopied):
                 else [f"{each.name} {each.state.name}" for each in robot.tasks],
                 "busy": self._busy,
                 "sample": self._told or None,
-                "twin": None if self._twin is None else self._twin.as_json(),
+                "twin": None if self.twin is None else twin_line(self.twin),
                 "late": None if sample is None else history_point(self._told)[-1],
             }
         )

@@ -1,4 +1,4 @@
-"""The twin of an arm for pages: where it is, and a line about what differs. It never commands."""
+"""The twin of an arm for pages: a line about what differs."""
 
 from __future__ import annotations
 
@@ -6,12 +6,10 @@ import time
 from typing import TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
-    from aioduco import Robot, events
-    from aioduco.kinematics import Arm
-    from aioduco.planning import Scene
-    from aioduco.sim.twin import Twin, TwinFigures, TwinLimits
+    from aioduco import events
+    from aioduco.sim.twin import Twin, TwinFigures
 
-__all__ = ["TWIN_RATE", "TwinView", "parted_text", "twin_text"]
+__all__ = ["TWIN_RATE", "parted_text", "twin_line", "twin_text"]
 
 #: samples per second that a twin compares [Hz]
 TWIN_RATE: Final = 125.0
@@ -19,36 +17,13 @@ TWIN_RATE: Final = 125.0
 _PARTED: Final = 10.0
 
 
-class TwinView:
-    """The twin that one panel shows.
-
-    Args:
-        robot: the robot that observes the arm.
-        limits: limits of the twin; None for wide ones.
-        arm: the arm.
-        around: objects around the arm, and where its base is; None for an arm on the floor.
-    """
-
-    def __init__(
-        self, robot: Robot, limits: TwinLimits | None, arm: Arm, around: Scene | None
-    ) -> None:
-        # The twin sees the arm alone: other programs may command it.
-        mounting = None if around is None else around.mounting
-        self.twin: Twin = robot.twin(limits, arm=arm.name, mounting=mounting, commands=False)
-
-    @property
-    def joints(self) -> tuple[float, ...] | None:
-        """Where the twin is [rad]; None before its first sample."""
-        return self.twin.joints
-
-    def as_json(self) -> dict[str, Any]:
-        """The line about the twin, and whether it is a warning."""
-        last = self.twin.divergences[-1] if self.twin.divergences else None
-        if last is not None and time.monotonic() - last.at > _PARTED:
-            last = None
-        error = self.twin.error
-        text = twin_text(self.twin.figures, last, error)
-        return {"text": text, "parted": last is not None or error is not None}
+def twin_line(twin: Twin) -> dict[str, Any]:
+    """The line about a twin for pages, and whether it is a warning."""
+    last = twin.divergences[-1] if twin.divergences else None
+    if last is not None and time.monotonic() - last.at > _PARTED:
+        last = None
+    text = twin_text(twin.figures, last, twin.error)
+    return {"text": text, "parted": last is not None or twin.error is not None}
 
 
 def twin_text(
