@@ -19,7 +19,7 @@ import anyio
 from aioduco import RobotState
 from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import DucoError, SetPointTooFar
-from aioduco.integrations.ros.seldom_log import SeldomLog
+from aioduco.integrations.ros.streamed_commands import StreamedCommands
 from aioduco.integrations.ros.trajectory_goals import ErrorCode, GoalRefused
 from aioduco.models.bounds import clipped, least, most, shown
 
@@ -72,7 +72,7 @@ def check_command(
     return tuple(clipped(found, profile.lower, profile.upper).tolist())
 
 
-class JointCommands:
+class JointCommands(StreamedCommands):
     """Joint positions for one arm, followed by a servo stream that is open while they arrive.
 
     Args:
@@ -101,23 +101,15 @@ class JointCommands:
         reach: float,
         options: WorkerOptions | None = None,
     ) -> None:
-        self._robot = robot
+        super().__init__(robot, _log, busy=busy, timeout=timeout, options=options)
         self._profile = profile
-        self._busy = busy
         self._rate = rate
-        self._timeout = timeout
         self._hold = hold
         self._reach = reach
-        self._options = options
-        self.following: bool = False
         #: commands that are not followed yet, with the time of each
         self._waiting: deque[tuple[float, tuple[float, ...]]] = deque(maxlen=_KEPT)
         #: whether a command was close to the arm, so that those after it are followed
         self._near = False
-        self._came = -math.inf
-        self._blocked = False
-        self._changed = anyio.Event()
-        self._seldom = SeldomLog(_log)
 
     def take(self, names: Sequence[str], positions: Sequence[float]) -> bool:
         """Take a command. Return whether it may be followed.
@@ -129,33 +121,22 @@ class JointCommands:
         try:
             target = check_command(names, positions, self._profile)
         except GoalRefused as refusal:
-            self._seldom.warn("refused", "joint command refused: %s", refusal)
+            self._warn("refused", "joint command refused: %s", refusal)
             return False
-        now = anyio.current_time()
-        if now - self._came > self._timeout:
-            self._blocked = False
-        self._came = now
+        now = self._note_command()
         if self._blocked:
-            self._seldom.warn(
-                "blocked", "joint commands are ignored until they cease, or a recovery"
-            )
+            self._warn("blocked", "joint commands are ignored until they cease, or a recovery")
             return False
         if not self.following and self._busy():
-            self._seldom.warn("busy", "joint command ignored: a trajectory goal is carried out")
+            self._warn("busy", "joint command ignored: a trajectory goal is carried out")
             return False
         self._waiting.append((now, target))
         self._changed.set()
         return True
 
-    def allow(self) -> None:
-        """Accept commands again: the arm was brought up or recovered."""
-        self._blocked = False
-
-    def ignore(self) -> None:
-        """Ignore the commands that arrive at present: the arm is stopped or paused."""
-        if anyio.current_time() - self._came <= self._timeout:
-            self._blocked = True
-            self._waiting.clear()
+    def _block(self) -> None:
+        super()._block()
+        self._waiting.clear()
 
     async def run(self) -> None:
         """Follow commands until this is cancelled; the arm then comes to rest."""
@@ -165,8 +146,7 @@ class JointCommands:
                 try:
                     await self._begin()
                 except DucoError as error:
-                    self._blocked = True
-                    self._waiting.clear()
+                    self._block()
                     _log.warning("joint commands: %s", error)
 
     async def _wait(self) -> None:
@@ -197,7 +177,7 @@ class JointCommands:
             ways = [_way(target, place) for _, target in self._waiting]
             first = next((index for index, way in enumerate(ways) if way <= self._reach), None)
             if first is None:
-                self._seldom.warn(
+                self._warn(
                     "far",
                     "joint command ignored: %.3g rad from where the arm is, %.3g allowed at first",
                     *(ways[-1], self._reach),
@@ -230,7 +210,7 @@ class JointCommands:
                         await stream.send(newest)
                         target = newest
                     except SetPointTooFar as error:
-                        self._seldom.warn("step", "joint command left out: %s", error)
+                        self._warn("step", "joint command left out: %s", error)
                     if self._waiting:
                         ahead = max(self._waiting[0][0] - came, 0.0) / _FASTER
                         await anyio.sleep_until(anyio.current_time() + ahead)

@@ -15,7 +15,7 @@ import anyio
 
 from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import DucoError, ParameterError
-from aioduco.integrations.ros.seldom_log import SeldomLog
+from aioduco.integrations.ros.streamed_commands import StreamedCommands
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -29,7 +29,7 @@ _ACCELERATION, _TURN_ACCELERATION = 1.0, 4.0  # m/s², rad/s²
 _STILL = (0.0,) * 6
 
 
-class TwistCommands:
+class TwistCommands(StreamedCommands):
     """Speeds of the tool of one arm, followed by a speed stream that is open while they arrive.
 
     Args:
@@ -54,19 +54,11 @@ class TwistCommands:
         timeout: float,
         options: WorkerOptions | None = None,
     ) -> None:
-        self._robot = robot
+        super().__init__(robot, _log, busy=busy, timeout=timeout, options=options)
         self._frames: dict[str, Literal["base", "tool"]] = dict.fromkeys(("", base), "base")
         self._frames |= dict.fromkeys(tips, "tool")
-        self._busy = busy
-        self._timeout = timeout
-        self._options = options
-        self.following: bool = False
         self._newest: tuple[float, ...] | None = None
         self._frame: Literal["base", "tool"] = "base"
-        self._came = -math.inf
-        self._blocked = False
-        self._changed = anyio.Event()
-        self._seldom = SeldomLog(_log)
 
     def take(self, twist: Sequence[float], frame: str = "") -> bool:
         """Take a command; only the newest counts. Return whether it may be followed.
@@ -80,12 +72,9 @@ class TwistCommands:
             # it keeps no stream open: the arm would go on with the twist before it
             known = ", ".join(self._frames)
             text = "twist refused: not finite, or frame %r is none of %s"
-            self._seldom.warn("refused", text, frame, known)
+            self._warn("refused", text, frame, known)
             return False
-        now = anyio.current_time()
-        if now - self._came > self._timeout:
-            self._blocked = False
-        self._came = now
+        self._note_command()
         if self._blocked or (not self.following and self._busy()):
             return False
         if self.following and axes != self._frame:
@@ -95,15 +84,9 @@ class TwistCommands:
         self._changed.set()
         return True
 
-    def allow(self) -> None:
-        """Accept commands again: the arm was brought up or recovered."""
-        self._blocked = False
-
-    def ignore(self) -> None:
-        """Ignore the commands that arrive at present: the arm is stopped or paused."""
-        if anyio.current_time() - self._came <= self._timeout:
-            self._blocked = True
-            self._newest = None
+    def _block(self) -> None:
+        super()._block()
+        self._newest = None
 
     async def run(self) -> None:
         """Follow commands until this is cancelled; the arm then comes to rest."""
@@ -115,7 +98,7 @@ class TwistCommands:
             try:
                 await self._follow()
             except DucoError as error:
-                self._blocked = True
+                self._block()
                 _log.warning("twist commands: %s", error)
             self._newest = None
 
@@ -135,7 +118,7 @@ class TwistCommands:
                     try:
                         await stream.send(newest)
                     except ParameterError as error:
-                        self._seldom.warn("out of range", "twist refused: %s", error)
+                        self._warn("out of range", "twist refused: %s", error)
                     with anyio.move_on_after(self._timeout):
                         await self._changed.wait()
         finally:
