@@ -228,7 +228,7 @@ def test_a_motion_of_another_thread_comes_before_the_last_stop(
         raise KeyboardInterrupt
 
     monkeypatch.setattr(CheckSession, "another", late)
-    monkeypatch.setattr(CheckSession, "moves", interrupted)
+    monkeypatch.setattr(CheckSession, "begun", interrupted)
     with pytest.raises(KeyboardInterrupt):
         check_controller(sim.host, sim.port, move=True)
     for each in threading.enumerate():

@@ -26,12 +26,16 @@ from aioduco.testing.waiting import eventually
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-__all__ = ["CheckSession", "NotTried"]
+__all__ = ["CheckSession", "Differs", "NotTried"]
 
 #: time-outs for the answer to a call that does not block, and for a small motion [s]
 CALL, MOTION = 5.0, 30.0
 #: seconds after which it is given up to bring the arm to rest
 _REST_LIMIT = 15.0
+
+
+class Differs(Exception):
+    """The controller does not behave like the simulated one. The text says what was found."""
 
 
 class NotTried(Exception):
@@ -208,10 +212,15 @@ class CheckSession:
         timeout = MOTION if block else CALL
         return int(self.call("movej2", goal, v, 1.0, r, block, Op(), False, timeout=timeout))
 
-    def moves(self, id_: int | None = None) -> bool:
-        """Wait until the arm moves and a task, if given, has begun; return whether they do."""
+    def begun(self, id_: int | None = None) -> None:
+        """Wait until the arm moves and a task, if given, has begun.
+
+        Raises:
+            Differs: they do not.
+        """
 
         def begun() -> bool:
             return (id_ is None or self.task(id_) is not TaskState.IDLE) and self.moving()
 
-        return self.until(begun, 5.0)
+        if not self.until(begun, 5.0):
+            raise Differs("it does not move")

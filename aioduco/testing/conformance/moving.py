@@ -46,8 +46,7 @@ def _blocking(session: CheckSession) -> Found:
 
 def _running(session: CheckSession) -> Found:
     id_ = session.turn(_TURN, v=_SLOW)
-    if not session.moves(id_):
-        return False, "it does not move"
+    session.begun(id_)
     task, program = session.task(id_), session.call("get_robot_state")[1]
     in_time = (task, program) == (TaskState.RUNNING, ProgramState.RUNNING)
     return in_time, f"task {int(task)}, program {program}"
@@ -55,8 +54,7 @@ def _running(session: CheckSession) -> Found:
 
 def _stopped(session: CheckSession) -> Found:
     id_ = session.turn(-_TURN, v=_SLOW)
-    if not session.moves(id_):
-        return False, "it does not move"
+    session.begun(id_)
     begin = time.monotonic()
     answer = session.call("stop", True, timeout=MOTION)
     took, moving = time.monotonic() - begin, session.moving()
@@ -68,8 +66,7 @@ def _stopped(session: CheckSession) -> Found:
 
 def _aborted(session: CheckSession) -> Found:
     id_ = session.turn(_TURN, v=_SLOW)
-    if not session.moves(id_):
-        return False, "it does not move"
+    session.begun(id_)
     session.call("abort", True, timeout=MOTION)
     state = session.end_of(id_)
     return state is TaskState.INTERRUPT, f"{int(state)}"
@@ -79,8 +76,7 @@ def _paused(session: CheckSession) -> Found:
     goal = session.joints()
     goal[5] -= _TURN
     id_ = session.move(goal, v=_SLOW)
-    if not session.moves(id_):
-        return False, "it does not move"
+    session.begun(id_)
     session.call("pause", True, timeout=MOTION)
     moving, paused = session.moving(), session.task(id_)
     session.call("resume", True, timeout=MOTION)
@@ -136,8 +132,7 @@ def _while_stopping(session: CheckSession) -> Found:
     """
     carried_out = 0
     for direction in (-1, 1) * 5:
-        if not session.moves(session.turn(direction * _TURN, v=0.5)):
-            return False, "it does not move"
+        session.begun(session.turn(direction * _TURN, v=0.5))
         goal = session.joints()
         stop = session.call("stop", False)
         id_ = session.move(goal)
@@ -164,12 +159,10 @@ def _lost_connection(session: CheckSession) -> Found:
     )
     thread.start()
     try:
-        moves = session.moves()
+        session.begun()
     finally:  # also if the check is told to end: the stop after it comes behind the motion
         over.set()
         thread.join(MOTION)
-    if not moves:
-        return False, "it does not move"
     session.until(lambda: not session.moving())
     there = abs(session.joints()[5] - goal[5]) < _AT
     return there, "the motion goes on to its target" if there else "the arm stops"
@@ -190,8 +183,7 @@ def _call_and_disconnect(session: CheckSession, goal: list[float], over: threadi
 def _heartbeat(session: CheckSession) -> Found:
     """Send one heartbeat and none after it, in mid motion; then read the robot's state."""
     id_ = session.turn(-_TURN, v=_SLOW)
-    if not session.moves(id_):
-        return False, "it does not move"
+    session.begun(id_)
     session.call("rpc_heartbeat", 300)
     begin = time.monotonic()
     stands = session.until(lambda: not session.moving(), 5.0)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from aioduco.errors import ConnectError, DucoError, StopUnconfirmed
 from aioduco.models.host_port import host_port
-from aioduco.testing.conformance.check_session import CheckSession, NotTried
+from aioduco.testing.conformance.check_session import CheckSession, Differs, NotTried
 from aioduco.testing.conformance.controller_report import CheckResult, ControllerReport, Verdict
 
 if TYPE_CHECKING:
@@ -86,6 +86,8 @@ def _checked(session: CheckSession, looked: Looked) -> CheckResult:
     try:
         same, found = look(session)
         verdict = Verdict.SAME if same else Verdict.DIFFERENT
+    except Differs as reason:
+        verdict, found = Verdict.DIFFERENT, str(reason)
     except NotTried as reason:
         verdict, found = Verdict.OPEN, f"not tried: {reason}"
     except (ConnectError, StopUnconfirmed):  # no further check can be made, or may be
