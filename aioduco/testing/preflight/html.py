@@ -5,7 +5,9 @@ from __future__ import annotations
 import base64
 import io
 from html import escape
+from importlib import resources
 from pathlib import Path
+from string import Template
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,20 +30,6 @@ _WIDTH, _LEFT, _ROW = 960, 210, 22
 #: largest number of pictures on a page, and their size [pixels]
 _PICTURES, _SIZE = 8, (480, 360)
 _COLOURS = ("#0b6e99", "#c2571a", "#3a8f3a", "#8a3fa0", "#b8860b", "#555555")
-_STYLE = """
-body{font:15px/1.45 system-ui,sans-serif;margin:2rem auto;
-max-width:980px;padding:0 1rem;color:#1c2733}
-h1{font-size:1.5rem;margin-bottom:.2rem}h2{font-size:1.1rem;margin-top:2rem}
-.ok{color:#17723a}.bad{color:#b3261e}table{border-collapse:collapse;width:100%;font-size:.86rem}
-td,th{padding:.3rem .5rem;border-bottom:1px solid #dde3e8;text-align:left;vertical-align:top}
-code{font-family:ui-monospace,monospace;font-size:.86em}
-figure{display:inline-block;margin:.4rem .8rem .4rem 0;vertical-align:top}
-img{max-width:100%;height:auto}
-h1,p{overflow-wrap:anywhere}.wide{overflow-x:auto}.wide svg{min-width:640px}
-figcaption{font-size:.8rem;max-width:460px}svg text{font:11px system-ui,sans-serif;fill:#3b4a57}
-@media(prefers-color-scheme:dark){body{background:#14191e;color:#dbe3ea}td,th{border-color:#2c3640}
-svg text{fill:#aab7c2}}
-"""
 
 
 def page(report: PreflightReport, *, pictures: bool = True) -> str:
@@ -94,12 +82,9 @@ def page(report: PreflightReport, *, pictures: bool = True) -> str:
             ((c["signal"], f"{c['time']:.2f}", "on" if c["value"] else "off") for c in report.io),
         ),
     ]  # fmt: skip
+    text = resources.files("aioduco.testing.preflight").joinpath("page.html").read_text("utf-8")
     title = escape(f"Preflight of {Path(report.program).name}")
-    return (
-        f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
-        f'<meta name="viewport" content="width=device-width"><style>{_STYLE}</style></head>'
-        f"<body>{''.join(sections)}</body></html>\n"
-    )
+    return Template(text).substitute(title=title, body="".join(sections))
 
 
 def _seed(report: PreflightReport) -> str:

@@ -12,7 +12,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import anyio
 import pytest
@@ -114,7 +114,10 @@ class Fleet:
         done = await anyio.run_process(self.command(*words), check=False)
         return done.returncode, json.loads(done.stdout)
 
-    def close(self) -> None:
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
         for process in self.processes.values():
             self._end(process)
 
@@ -152,9 +155,7 @@ def up(view: FleetView) -> list[str]:
 async def test_one_stop_and_one_view_and_a_gateway_that_dies_stops_its_own_arms(
     tmp_path: Path,
 ) -> None:
-    with simulators(2) as (one, two), ExitStack() as stack:
-        fleet = Fleet(tmp_path, {"one": one, "two": two})
-        stack.callback(fleet.close)
+    with simulators(2) as (one, two), Fleet(tmp_path, {"one": one, "two": two}) as fleet:
         for name in ("one", "two"):
             fleet.start(name)
         robots = [await set_moving(sim) for sim in (one, two)]
@@ -215,8 +216,7 @@ async def test_a_lost_router_changes_nothing_about_supervision(tmp_path: Path) -
 
     with simulators(1) as (sim,), ExitStack() as stack:
         router = route()
-        fleet = Fleet(tmp_path, {"one": sim}, endpoint)
-        stack.callback(fleet.close)
+        fleet = stack.enter_context(Fleet(tmp_path, {"one": sim}, endpoint))
         fleet.start("one")
         robot = await set_moving(sim)
         looking = FleetSettings("plant", listen=(), connect=(endpoint,), expect=("one",))
@@ -242,9 +242,7 @@ async def test_a_lost_router_changes_nothing_about_supervision(tmp_path: Path) -
 def test_a_gateway_that_is_told_to_end_stops_its_arms_first(
     tmp_path: Path, number: signal.Signals
 ) -> None:
-    with simulators(1) as (sim,), ExitStack() as stack:
-        fleet = Fleet(tmp_path, {"one": sim})
-        stack.callback(fleet.close)
+    with simulators(1) as (sim,), Fleet(tmp_path, {"one": sim}) as fleet:
         fleet.start("one")
 
         async def move() -> None:
@@ -263,9 +261,7 @@ def test_a_gateway_that_is_told_to_end_stops_its_arms_first(
 @pytest.mark.slow
 @pytest.mark.timeout(600)
 async def test_a_gateway_that_was_suspended_supervises_its_arms_again(tmp_path: Path) -> None:
-    with simulators(1) as (sim,), ExitStack() as stack:
-        fleet = Fleet(tmp_path, {"one": sim})
-        stack.callback(fleet.close)
+    with simulators(1) as (sim,), Fleet(tmp_path, {"one": sim}) as fleet:
         fleet.start("one")
         robot = await set_moving(sim)
         async with FleetClient(fleet.settings("one")) as client:

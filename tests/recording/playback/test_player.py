@@ -8,7 +8,8 @@ import signal
 import struct
 import subprocess
 import warnings
-from collections.abc import Iterator
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
@@ -52,6 +53,17 @@ def _patient() -> Iterator[None]:
 
 #: a busy machine is late, and no matter of what is tested here
 PATIENT = Tolerances(path=0.0, goal=5e-3, goal_time=30.0)
+
+
+@asynccontextmanager
+async def led(**options: Any) -> AsyncIterator[tuple[Simulator, aioduco.Robot]]:
+    """A simulated arm that is brought up, and the robot that leads it, by the arm's time."""
+    async with (
+        Simulator(**options) as sim,
+        aioduco.connect(sim.host, sim.port, clock=sim.clock) as robot,
+    ):
+        await robot.bring_up()
+        yield sim, robot
 
 
 class Log:
@@ -123,24 +135,22 @@ async def test_outputs_are_set_as_they_were(
 ) -> None:
     file = write(tmp_path / "run.mcap", outputs={0.8: {3: True}, 1.2: {3: False}, 1.4: {5: True}})
     path = RecordedPath.of(read(file), end=1.5)
-    with Simulator(joints=HOME) as sim:
-        async with aioduco.connect(sim.host, sim.port, clock=sim.clock) as robot:
-            await robot.bring_up()
-            changed: list[tuple[int, bool]] = []
-            set_out = robot.io.set_standard_digital_out
+    async with led(joints=HOME) as (sim, robot):
+        changed: list[tuple[int, bool]] = []
+        set_out = robot.io.set_standard_digital_out
 
-            async def seen(num: int, value: bool) -> None:
-                changed.append((num, value))
-                await set_out(num, value)
+        async def seen(num: int, value: bool) -> None:
+            changed.append((num, value))
+            await set_out(num, value)
 
-            monkeypatch.setattr(type(robot.io), "set_standard_digital_out", lambda _, *a: seen(*a))
-            await play(robot, path, outputs=True, through="servoj", tolerances=PATIENT)
-            assert changed == [(3, True), (3, False), (5, True)]
-            assert sim.get_digital_output(5)
-            assert not sim.get_digital_output(3)
-            assert path.at(np.array([path.duration]))[0] == pytest.approx(
-                list(await robot.state.get_actual_joints_position()), abs=6e-3
-            )
+        monkeypatch.setattr(type(robot.io), "set_standard_digital_out", lambda _, *a: seen(*a))
+        await play(robot, path, outputs=True, through="servoj", tolerances=PATIENT)
+        assert changed == [(3, True), (3, False), (5, True)]
+        assert sim.get_digital_output(5)
+        assert not sim.get_digital_output(3)
+        assert path.at(np.array([path.duration]))[0] == pytest.approx(
+            list(await robot.state.get_actual_joints_position()), abs=6e-3
+        )
 
 
 @pytest.mark.slow
@@ -156,35 +166,31 @@ async def test_an_output_that_is_refused_brings_the_arm_to_rest(
     async def refuse(*_: object) -> None:
         raise aioduco.Refused("set_standard_digital_out", -1, "it is a test")
 
-    with Simulator(joints=HOME) as sim:
-        async with aioduco.connect(sim.host, sim.port, clock=sim.clock) as robot:
-            await robot.bring_up()
-            monkeypatch.setattr(type(robot.io), "set_standard_digital_out", refuse)
-            with pytest.raises(aioduco.Refused, match="it is a test"):
-                await play(robot, path, outputs=True, through="servoj", tolerances=PATIENT)
-            assert not await robot.state.robotmoving()
-            assert np.abs(sim.joints.array - HOME).max() < 0.4
+    async with led(joints=HOME) as (sim, robot):
+        monkeypatch.setattr(type(robot.io), "set_standard_digital_out", refuse)
+        with pytest.raises(aioduco.Refused, match="it is a test"):
+            await play(robot, path, outputs=True, through="servoj", tolerances=PATIENT)
+        assert not await robot.state.robotmoving()
+        assert np.abs(sim.joints.array - HOME).max() < 0.4
 
 
 @pytest.mark.slow
 async def test_what_speaks_against_it_is_said_and_nothing_is_sent(tmp_path: Path) -> None:
     path = RecordedPath.of(read(write(tmp_path / "run.mcap")))
     other = RecordedPath.of(read(write(tmp_path / "other.mcap", arm="GCR10 1300")))
-    with Simulator(joints=FAR) as sim:
-        async with aioduco.connect(sim.host, sim.port, clock=sim.clock) as robot:
-            await robot.bring_up()
-            with pytest.raises(aioduco.FirstPointTooFar, match=r"joint 1 is 0\.5000 rad"):
-                await play(robot, path)
-            with pytest.raises(aioduco.PathRefused, match="recorded one is a GCR10 1300"):
-                await play(robot, other)
-            with pytest.raises(aioduco.PathRefused, match="accel"):
-                await play(robot, RecordedPath.of(read(tmp_path / "run.mcap"), speed=6.0))
-            tip = await robot.state.get_flange_pose()
-            robot.envelope = Envelope("gcr5_910", Zone.sphere(tip.position, 0.05, name="post"))
-            with pytest.raises(aioduco.PathRefused, match="'post'") as error:
-                await play(robot, path, approach=0.3)
-            assert error.value.findings[0].startswith("envelope at 1.")
-            assert not robot.tasks
+    async with led(joints=FAR) as (sim, robot):
+        with pytest.raises(aioduco.FirstPointTooFar, match=r"joint 1 is 0\.5000 rad"):
+            await play(robot, path)
+        with pytest.raises(aioduco.PathRefused, match="recorded one is a GCR10 1300"):
+            await play(robot, other)
+        with pytest.raises(aioduco.PathRefused, match="accel"):
+            await play(robot, RecordedPath.of(read(tmp_path / "run.mcap"), speed=6.0))
+        tip = await robot.state.get_flange_pose()
+        robot.envelope = Envelope("gcr5_910", Zone.sphere(tip.position, 0.05, name="post"))
+        with pytest.raises(aioduco.PathRefused, match="'post'") as error:
+            await play(robot, path, approach=0.3)
+        assert error.value.findings[0].startswith("envelope at 1.")
+        assert not robot.tasks
         assert np.abs(sim.joints.array - FAR).max() < 1e-6
 
 
@@ -247,18 +253,16 @@ async def test_waypoints_that_are_not_reached_are_told_of_by_the_error_alone() -
     middle = arm("gcr5_910").fkine(0.75 * HOME + 0.25 * FAR)[:3, 3]
     file = waypoints()
     file.add("behind", HOME)
-    with Simulator(speed=10, joints=HOME) as sim:
-        async with aioduco.connect(sim.host, sim.port, clock=sim.clock) as robot:
-            await robot.bring_up()
-            robot.envelope = Envelope(
-                "gcr5_910", Zone.sphere(middle, 0.005, bodies=["flange"], name="post")
-            )
-            with warnings.catch_warnings(record=True) as said:
-                warnings.simplefilter("always")
-                with pytest.raises(aioduco.EnvelopeViolated, match="post"):
-                    await run_waypoints(robot, file)
-                gc.collect()
-            assert [str(each.message) for each in said] == []
+    async with led(speed=10, joints=HOME) as (_, robot):
+        robot.envelope = Envelope(
+            "gcr5_910", Zone.sphere(middle, 0.005, bodies=["flange"], name="post")
+        )
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            with pytest.raises(aioduco.EnvelopeViolated, match="post"):
+                await run_waypoints(robot, file)
+            gc.collect()
+        assert [str(each.message) for each in said] == []
 
 
 async def test_a_stop_while_waypoints_are_checked_ends_them() -> None:
@@ -284,19 +288,17 @@ async def test_a_stop_while_waypoints_are_checked_ends_them() -> None:
 
 @pytest.mark.slow
 async def test_an_arm_goes_through_waypoints() -> None:
-    with Simulator(speed=10, joints=HOME) as sim:
-        async with aioduco.connect(sim.host, sim.port, clock=sim.clock) as robot:
-            await robot.bring_up()
-            assert await run_waypoints(robot, waypoints()) == 3
-            assert sim.joints.almost_equal(FAR, 1e-3)
-            assert sim.get_digital_output(3)
-            other = WaypointFile(waypoints().text.replace("GCR5 910", "GCR10 1300"))
-            with pytest.raises(aioduco.PathRefused, match="GCR10 1300"):
-                await run_waypoints(robot, other)
-            with pytest.raises(aioduco.PathRefused, match="no waypoint"):
-                await run_waypoints(robot, WaypointFile.new())
-            with pytest.raises(aioduco.ParameterError, match="speed"):
-                await run_waypoints(robot, waypoints(), speed=2.0)
+    async with led(speed=10, joints=HOME) as (sim, robot):
+        assert await run_waypoints(robot, waypoints()) == 3
+        assert sim.joints.almost_equal(FAR, 1e-3)
+        assert sim.get_digital_output(3)
+        other = WaypointFile(waypoints().text.replace("GCR5 910", "GCR10 1300"))
+        with pytest.raises(aioduco.PathRefused, match="GCR10 1300"):
+            await run_waypoints(robot, other)
+        with pytest.raises(aioduco.PathRefused, match="no waypoint"):
+            await run_waypoints(robot, WaypointFile.new())
+        with pytest.raises(aioduco.ParameterError, match="speed"):
+            await run_waypoints(robot, waypoints(), speed=2.0)
 
 
 @pytest.mark.slow
