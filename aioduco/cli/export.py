@@ -7,7 +7,7 @@ import shutil
 import sysconfig
 from itertools import zip_longest
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, cast
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
@@ -121,8 +121,11 @@ def export(
         arms = _arms(model or ["gcr5_910"], prefix or [], mounting or [], tool)
         called = name or "_".join(arm.arm.name for arm in arms)
         package = f"{called}_bringup"
+        if kind is Format.ROS1 and meshes is None and mesh_uri is None:
+            mesh_uri = f"package://{package}/meshes"
+        looks: dict[str, Any] = {"meshes": meshes, "mesh_uri": mesh_uri}
         if kind is Format.URDF:
-            text = descriptions.urdf(*arms, name=name, meshes=meshes, mesh_uri=mesh_uri)
+            text = descriptions.urdf(*arms, name=name, **looks)
             files = {f"{called}.urdf": text}
         elif kind is Format.SRDF:
             files = {f"{called}.srdf": descriptions.srdf(*arms, name=name)}
@@ -136,30 +139,18 @@ def export(
                 launch_package,
             )
 
-            if meshes is None and mesh_uri is None:
-                mesh_uri = f"package://{package}/meshes"
             own = shutil.which("aioduco", path=sysconfig.get_path("scripts")) or "aioduco"
-            files = launch_package(
-                *arms, name=called, command=own, meshes=meshes, mesh_uri=mesh_uri
-            )
+            files = launch_package(*arms, name=called, command=own, **looks)
             if moveit:
                 from aioduco.integrations.ros.ros1.moveit_package import (  # noqa: PLC0415 - as above
                     moveit_package,
                 )
 
-                files |= moveit_package(
-                    *arms, name=called, group=group, tip=tip, meshes=meshes, mesh_uri=mesh_uri
-                )
+                files |= moveit_package(*arms, name=called, group=group, tip=tip, **looks)
         else:
             release = cast("RosDistro", distro)
             files = descriptions.moveit(
-                *arms,
-                name=name,
-                meshes=meshes,
-                mesh_uri=mesh_uri,
-                distro=release,
-                group=group,
-                tip=tip,
+                *arms, name=name, distro=release, group=group, tip=tip, **looks
             )
         for path, text in files.items():
             target = output / path
