@@ -21,7 +21,6 @@ from aioduco.sim.planner.curves import StraightLine
 from aioduco.sim.planner.path import PlanError
 from aioduco.sim.planner.segments import (
     arc_move,
-    circle_move,
     flange_along,
     joint_move,
     line_move,
@@ -159,11 +158,9 @@ class PathSection(HandlerSection):
         modes, names = ((1, 2), "1 or 2") if circle else ((0, 1, 2), "0, 1 or 2")
         arguments.choice("mode", call.mode, modes, names)
         radius, options = blend(call.r), self._path_options(call.wobj)
-        move = circle_move if circle else arc_move
+        ways: Any = {"mode": call.mode, "full": circle, "tool": tip, **options}
         return self._verified(
-            lambda start: move(
-                self._arm, start, via, target, *pace, radius, mode=call.mode, tool=tip, **options
-            ),
+            lambda start: arc_move(self._arm, start, via, target, *pace, radius, **ways),
             call.q_near,
         )
 

@@ -161,14 +161,15 @@ def arc_through(start: Array, via: Array, end: Array, mode: int, *, full: bool =
         via: a pose whose position is on the arc; its orientation is ignored. Shape (4, 4).
         end: last pose, or another point of a full circle. Shape (4, 4).
         mode: 0 to turn to the orientation of the end, 1 to keep that of the start, 2 to keep it
-            relative to the tangent.
+            relative to the tangent; a full circle takes 1 or 2.
         full: whether to go round the whole circle and back to the start.
 
     Raises:
         PlanError: the points are on a line or coincide, or the mode is unknown.
     """
-    if mode not in (Orientation.TO_TARGET, Orientation.FIXED, Orientation.TANGENT):
-        raise PlanError("parameter", f"mode {mode} of a circular move is not 0, 1 or 2")
+    if mode not in (Orientation.FIXED, Orientation.TANGENT) and (full or mode):
+        what, modes = ("full circle", "1") if full else ("circular move", "0, 1")
+        raise PlanError("parameter", f"mode {mode} of a {what} is not {modes} or 2")
     a, b, c = start[:3, 3], via[:3, 3], end[:3, 3]
     ab, ac = b - a, c - a
     normal = np.cross(ab, ac)
@@ -184,7 +185,7 @@ def arc_through(start: Array, via: Array, end: Array, mode: int, *, full: bool =
     angle = math.atan2(axis @ np.cross(spoke, c - centre), spoke @ (c - centre)) % (2 * math.pi)
     if full:
         angle = 2 * math.pi
-    if mode == Orientation.TO_TARGET and not full:
+    if mode == Orientation.TO_TARGET:
         turn = rotvec_from_matrix(end[:3, :3] @ start[:3, :3].T)
     elif mode == Orientation.TANGENT:
         turn = angle * axis

@@ -34,7 +34,6 @@ __all__ = [
     "Segment",
     "arc_move",
     "carry",
-    "circle_move",
     "flange_along",
     "joint_move",
     "line_move",
@@ -232,21 +231,23 @@ def arc_move(
     r: float = 0.0,
     *,
     mode: int = 0,
+    full: bool = False,
     tool: Array | None = None,
     **options: Unpack[PathOptions],
 ) -> Segment:
-    """Move the tool centre point along an arc through a point (manual 1.3.5, movec).
+    """Move the tool centre point along an arc through a point (manual 1.3.5, movec, move_circle).
 
     Args:
         arm: the arm.
         q0: joints at the start [rad]. Shape (6,).
         via: pose of the flange at a point of the arc, in the base frame. Shape (4, 4).
-        target: pose of the flange at the end, in the base frame. Shape (4, 4).
+        target: pose of the flange at the end, or at another point of a full circle. Shape (4, 4).
         v: speed of the tool centre point [m/s].
         a: its acceleration, along and across the arc together [m/s²].
         r: blend radius [m].
         mode: orientation: 0 turns to that of the target, 1 keeps that of the start, 2 keeps it
-            relative to the tangent.
+            relative to the tangent. A full circle takes 1 or 2.
+        full: whether to go once round the whole circle.
         tool: tool centre point in the frame of the flange. Shape (4, 4).
         options: what may be added to the path.
 
@@ -254,44 +255,7 @@ def arc_move(
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
     """
     start, frame = _start(arm, q0, tool)
-    curve = arc_through(start, via @ frame, target @ frame, mode)
-    return _cartesian(arm, q0, curve, v, a, r, frame, **options)
-
-
-def circle_move(
-    arm: Arm,
-    q0: Array,
-    first: Array,
-    second: Array,
-    v: float,
-    a: float,
-    r: float = 0.0,
-    *,
-    mode: int = 1,
-    tool: Array | None = None,
-    **options: Unpack[PathOptions],
-) -> Segment:
-    """Move the tool centre point once round a circle through two points (1.3.5, move_circle).
-
-    Args:
-        arm: the arm.
-        q0: joints at the start and, apart from whole turns, at the end [rad]. Shape (6,).
-        first: pose of the flange at a point of the circle, in the base frame. Shape (4, 4).
-        second: pose of the flange at a later point of it. Shape (4, 4).
-        v: speed of the tool centre point [m/s].
-        a: its acceleration, along and across the circle together [m/s²].
-        r: blend radius [m].
-        mode: orientation: 1 keeps that of the start, 2 keeps it relative to the tangent.
-        tool: tool centre point in the frame of the flange. Shape (4, 4).
-        options: what may be added to the path.
-
-    Raises:
-        PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
-    """
-    if mode not in (1, 2):
-        raise PlanError("parameter", f"mode {mode} of a full circle is not 1 or 2")
-    start, frame = _start(arm, q0, tool)
-    curve = arc_through(start, first @ frame, second @ frame, mode, full=True)
+    curve = arc_through(start, via @ frame, target @ frame, mode, full=full)
     return _cartesian(arm, q0, curve, v, a, r, frame, **options)
 
 

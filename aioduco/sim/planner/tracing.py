@@ -78,7 +78,7 @@ def follow(
         solutions = closed_form(arm.geometry, poses, float(q0[5]))
         yield_now()
         if branch < 0:
-            off = np.nan_to_num(np.abs(wrap(solutions[0] - q0)).max(axis=-1), nan=np.inf)
+            off = _distance(solutions[0], q0)
             branch = int(np.argmin(off))
             _check_singular(arm, q0[None])
             if off[branch] > 1e-6:
@@ -259,8 +259,7 @@ def _stretches(arm: Arm, q0: Array, solutions: Array) -> list[_Stretch]:
     count = len(solutions)
     away = np.abs(singular_values(arm.geometry, solutions)).min(axis=-1)
     usable = np.nan_to_num(away, nan=0.0) >= NEAR  # (n, 8)
-    steps = np.nan_to_num(np.abs(wrap(np.diff(solutions, axis=0))).max(axis=-1), nan=np.inf)
-    joined = steps < STRIDE  # (n - 1, 8)
+    joined = _distance(solutions[1:], solutions[:-1]) < STRIDE  # (n - 1, 8)
     yield_now()
     found: list[_Stretch] = []
     q, i = q0, 0

@@ -246,7 +246,7 @@ class _Track(TargetFollower):
         )
 
     def _limit(self, node: _Node) -> None:
-        key = node.most + 2.0 * self._along * node.at
+        key = self._key(node)
         while self._window and self._key(self._window[-1]) >= key:
             self._window.pop()
         self._window.append(node)

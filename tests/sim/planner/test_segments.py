@@ -17,7 +17,6 @@ from aioduco.sim.planner.path import PlanError
 from aioduco.sim.planner.segments import (
     Segment,
     arc_move,
-    circle_move,
     joint_move,
     line_move,
 )
@@ -148,11 +147,11 @@ def test_a_fast_arc_is_as_fast_as_its_bend_allows() -> None:
 
 def test_a_circle_ends_where_it_began() -> None:
     first, second = shifted(HOME, 0.1, 0.1), shifted(HOME, 0.0, 0.2)
-    segment = circle_move(FIVE, HOME, first, second, 0.3, 1.0)
+    segment = arc_move(FIVE, HOME, first, second, 0.3, 1.0, mode=1, full=True)
     assert segment.length == pytest.approx(0.2 * math.pi)
     np.testing.assert_allclose(segment.q_end, HOME, atol=1e-9)
     with pytest.raises(PlanError, match="not 1 or 2"):
-        circle_move(FIVE, HOME, first, second, 0.3, 1.0, mode=0)
+        arc_move(FIVE, HOME, first, second, 0.3, 1.0, full=True)
 
 
 @pytest.mark.parametrize("turn", [0.0, 1e-11, 1e-9, 3e-9, 1e-8, 1e-7, 1e-6, 1e-5, 0.5])
