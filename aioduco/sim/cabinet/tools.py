@@ -22,7 +22,7 @@ _ORIGIN = Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Frame:
+class NamedFrame:
     """The frame of a tool at the flange, or of a work object at the base.
 
     Attributes:
@@ -40,7 +40,7 @@ class Frame:
     load: Load = NO_LOAD
 
     @classmethod
-    def at(cls, pose: Pose, name: str = "", load: Load = NO_LOAD) -> Frame:
+    def at(cls, pose: Pose, name: str = "", load: Load = NO_LOAD) -> NamedFrame:
         """Make a frame at a pose."""
         return cls(name, pose, _frozen(pose.matrix), _frozen(pose.inverse().matrix), load)
 
@@ -56,14 +56,14 @@ class FrameTable:
     """
 
     def __init__(self) -> None:
-        self._tools = {DEFAULT: Frame.at(_ORIGIN, DEFAULT)}
+        self._tools = {DEFAULT: NamedFrame.at(_ORIGIN, DEFAULT)}
         self._wobjs = self._tools.copy()
-        self.current_tool: Frame = self._tools[DEFAULT]
+        self.current_tool: NamedFrame = self._tools[DEFAULT]
         self._wobj = self._wobjs[DEFAULT]
         self._offset: Pose | None = None
-        self.current_wobj: Frame = self._wobj
+        self.current_wobj: NamedFrame = self._wobj
 
-    def tool(self, name: str = "") -> Frame:
+    def tool(self, name: str = "") -> NamedFrame:
         """Find a tool by its name; an empty name means the tool in use.
 
         Raises:
@@ -75,7 +75,7 @@ class FrameTable:
             raise _unknown(f"there is no tool {name!r}", self._tools)
         return self._tools[name]
 
-    def wobj(self, name: str = "") -> Frame:
+    def wobj(self, name: str = "") -> NamedFrame:
         """Find a work object by its name, with the offset in use; no name means the one in use.
 
         Raises:
@@ -85,13 +85,13 @@ class FrameTable:
             raise _unknown(f"there is no work object {name!r}", self._wobjs)
         return self._moved(self._wobjs[name]) if name else self.current_wobj
 
-    def set_tool(self, tool: Frame) -> None:
+    def set_tool(self, tool: NamedFrame) -> None:
         """Define a tool, and use it."""
         self._tools[tool.name] = self.current_tool = tool
 
     def set_wobj(self, name: str, pose: Pose) -> None:
         """Define a work object, and use it."""
-        self._wobjs[name] = self._wobj = Frame.at(pose, name)
+        self._wobjs[name] = self._wobj = NamedFrame.at(pose, name)
         self.current_wobj = self._moved(self._wobj)
 
     def set_wobj_offset(self, offset: Pose | None) -> None:
@@ -99,10 +99,10 @@ class FrameTable:
         self._offset = offset
         self.current_wobj = self._moved(self._wobj)
 
-    def _moved(self, wobj: Frame) -> Frame:
+    def _moved(self, wobj: NamedFrame) -> NamedFrame:
         if self._offset is None:
             return wobj
-        return Frame.at(wobj.pose @ self._offset, wobj.name)
+        return NamedFrame.at(wobj.pose @ self._offset, wobj.name)
 
 
 def _unknown(message: str, known: Iterable[str]) -> Rejected:

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from aioduco.models.rotation import Array
-    from aioduco.sim.cabinet.tools import Frame
+    from aioduco.sim.cabinet.tools import NamedFrame
     from aioduco.sim.controller.motion_queue import Following, Plan, Planning
     from aioduco.sim.controller.programs import RunningProgram
     from aioduco.sim.controller.triggers import MotionTriggers
@@ -94,8 +94,8 @@ class ControllerState(NamedTuple):
     error: int
     errors: tuple[str, ...]
     speed: float
-    tool: Frame
-    wobj: Frame
+    tool: NamedFrame
+    wobj: NamedFrame
     force_control: bool
     sensor: ForceSensor
     standing: bool

@@ -8,7 +8,7 @@ import numpy as np
 
 from aioduco.errors import Unreachable
 from aioduco.models.pose import Pose
-from aioduco.sim.cabinet.tools import MAX_NAME, Frame
+from aioduco.sim.cabinet.tools import MAX_NAME, NamedFrame
 from aioduco.sim.force.sensor import ForceAxes
 from aioduco.sim.handlers.arguments import joints, load, name_of, numbers, pose
 from aioduco.sim.handlers.base import HandlerSection, task
@@ -33,7 +33,7 @@ class FrameHandlers(HandlerSection):
         inertia_tensor: Sequence[float],
     ) -> None:
         """Define a tool, and use it."""
-        tool = Frame.at(
+        tool = NamedFrame.at(
             pose("tool_offset", tool_offset),
             name_of("name", name, MAX_NAME),
             load("payload", payload),
@@ -104,13 +104,13 @@ class FrameHandlers(HandlerSection):
             return list(near)
         return found
 
-    def _tool(self, offset: Sequence[float]) -> Frame:
+    def _tool(self, offset: Sequence[float]) -> NamedFrame:
         """A tool with its tip at a pose; the one in use if none is given."""
-        return Frame.at(pose("tool", offset)) if offset else self._runtime.snapshot.view.tool
+        return NamedFrame.at(pose("tool", offset)) if offset else self._runtime.snapshot.view.tool
 
-    def _wobj(self, frame: Sequence[float]) -> Frame:
+    def _wobj(self, frame: Sequence[float]) -> NamedFrame:
         """A work object at a pose; the one in use if none is given."""
-        return Frame.at(pose("wobj", frame)) if frame else self._runtime.snapshot.view.wobj
+        return NamedFrame.at(pose("wobj", frame)) if frame else self._runtime.snapshot.view.wobj
 
     @task()
     def set_load_data(self, controller: Controller, value: Sequence[float]) -> None:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from aioduco.models.rotation import Array
-    from aioduco.sim.cabinet.tools import Frame
+    from aioduco.sim.cabinet.tools import NamedFrame
     from aioduco.sim.controller.motion_queue import Plan
     from aioduco.sim.controller.state_machine import Controller
     from aioduco.sim.handlers.motion_call import MotionCall
@@ -178,7 +178,7 @@ class MotionHandlers(PathSection):
         controller.read_ahead = per, max(num, 1)
 
     def _offset_move(
-        self, call: MotionCall, moved: Callable[[Array], Array], tool: Frame, wobj: str = ""
+        self, call: MotionCall, moved: Callable[[Array], Array], tool: NamedFrame, wobj: str = ""
     ) -> Plan:
         pace, radius = self._line_pace(call), blend(call.r)
         options = self._path_options(wobj)
