@@ -45,6 +45,13 @@ CYCLE = 0.001
 TRIP = 0.02
 LISTS: dict[str, Any] = {each.name: [0.1] * 7 for each in fields(rpc.RobotStatus)[:15]}
 SIGNALS: dict[str, Any] = {each.name: [False] * 32 for each in fields(rpc.IOStatus)}
+ANSWERS = {
+    "get_robot_state": [6, ProgramState.RUNNING, 5, 1],
+    "get_robot_version": "3.8.0",
+    "get_last_error": [],
+    "getRobotStatus": rpc.RobotStatus(**LISTS, slaveReady=[True] * 6, robotState=6),
+    "getRobotIOStatus": rpc.IOStatus(**SIGNALS),
+}
 
 
 class Handlers:
@@ -99,9 +106,8 @@ class Handlers:
     def rpc_heartbeat(self, milliseconds: int) -> None:
         if self._beat is not None:
             self._beat.cancel()
-        self._beat = threading.Timer(
-            milliseconds / 1000, lambda: self._stops.append(time.monotonic())
-        )
+        lapse = milliseconds / 1000
+        self._beat = threading.Timer(lapse, lambda: self._stops.append(time.monotonic()))
         self._beat.daemon = True
         self._beat.start()
 
@@ -172,14 +178,8 @@ class Handlers:
         return [self._ends[int(name)]]
 
     def __getattr__(self, name: str) -> Any:
-        answers = {
-            "get_robot_state": [6, ProgramState.RUNNING, 5, 1],
-            "get_robot_version": "3.8.0",
-            "get_last_error": [],
-            "getRobotStatus": rpc.RobotStatus(**LISTS, slaveReady=[True] * 6, robotState=6),
-            "getRobotIOStatus": rpc.IOStatus(**SIGNALS),
-        }
-        return lambda *_: answers[name]
+        answer = ANSWERS[name]
+        return lambda *_: answer
 
 
 class Listener(socketserver.ThreadingTCPServer):

@@ -18,13 +18,13 @@ from __future__ import annotations
 
 import os
 import resource
-import statistics
 import subprocess
 import sys
 import tempfile
 import time
 from typing import TYPE_CHECKING
 
+import numpy as np
 from _common import in_turns, parser, report
 
 from aioduco.testing import RecordingServer
@@ -41,6 +41,7 @@ async def main():
         pass
 anyio.run(main)
 """
+Took = tuple[float, float]
 ANSWERS = {
     "stop": 5,
     "robotmoving": False,
@@ -50,7 +51,7 @@ ANSWERS = {
 }
 
 
-def took(command: list[str], env: Mapping[str, str], server: RecordingServer) -> dict[str, float]:
+def took(command: list[str], env: Mapping[str, str], server: RecordingServer) -> Took:
     """Seconds of a processor, and on the clock: until its stop has arrived, or else its end."""
     stops = len(server.received("stop"))
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -61,10 +62,10 @@ def took(command: list[str], env: Mapping[str, str], server: RecordingServer) ->
     if arrived := server.received("stop")[stops:]:
         end = arrived[0].at
     processor = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    return {"processor": processor, "clock": end - begin}
+    return processor, end - begin
 
 
-def measured(rounds: int) -> dict[str, list[dict[str, float]]]:
+def measured(rounds: int) -> dict[str, list[Took]]:
     """What each process took in each round."""
     with RecordingServer(ANSWERS) as server, tempfile.TemporaryDirectory() as folder:
         env = {**os.environ, "PYTHONPYCACHEPREFIX": folder}
@@ -79,7 +80,7 @@ def measured(rounds: int) -> dict[str, list[dict[str, float]]]:
         }
         for command in commands.values():
             took(command, env, server)  # writes what is compiled
-        found: dict[str, list[dict[str, float]]] = {name: [] for name in commands}
+        found: dict[str, list[Took]] = {name: [] for name in commands}
         for name, command in in_turns(rounds, commands):
             found[name].append(took(command, env, server))
     return found
@@ -88,15 +89,16 @@ def measured(rounds: int) -> dict[str, list[dict[str, float]]]:
 def main() -> None:
     options = parser(__doc__).parse_args()
     found = measured(5 if options.quick else 25)
-    figures: dict[str, dict[str, float]] = {name: {} for name in found}
+    figures: dict[str, dict[str, float]] = {}
     for name, rounds in found.items():
-        for what in ("processor", "clock"):
-            ratios = [
-                each[what] / yard[what] for each, yard in zip(rounds, found[NUMPY], strict=True)
-            ]
-            seconds = statistics.median(each[what] for each in rounds)
-            figures[name][f"{what}_ms"] = round(seconds * 1e3, 1)
-            figures[name][f"{what}_to_numpy"] = round(statistics.median(ratios), 2)
+        processor, clock = np.median(rounds, axis=0).tolist()
+        ratios = np.median(np.array(rounds) / found[NUMPY], axis=0).tolist()
+        figures[name] = {
+            "processor_ms": round(processor * 1e3, 1),
+            "clock_ms": round(clock * 1e3, 1),
+            "processor_to_numpy": round(ratios[0], 2),
+            "clock_to_numpy": round(ratios[1], 2),
+        }
     report(options, "imports", {"processes": figures})
 
 

@@ -41,11 +41,9 @@ class Ros1:
 
     Attributes:
         kills: what is killed, with which guards.
-        off, most: how far the rate of joint states may be off, and the share of a core [%].
     """
 
     kills = dict.fromkeys(("driver", "master", "client"), tuple(LIMITS))
-    off, most = 0.02, 15.0
 
     def __init__(self, folder: Path, stack: contextlib.ExitStack) -> None:
         self._folder = folder
@@ -75,7 +73,6 @@ class Ros2:
     """A domain, with a driver and clients; as `Ros1`."""
 
     kills = {"driver": tuple(LIMITS), "client": ("",)}  # noqa: RUF012  # never changed
-    off, most = 0.05, 100.0
     command = ("-m", "aioduco.cli")
 
     def __init__(self, folder: Path, stack: contextlib.ExitStack) -> None:
@@ -164,7 +161,7 @@ def kills(
 
 
 def main() -> int:
-    """Measure, and say whether all is within its limit."""
+    """Measure, and say whether the arm stood within its limits."""
     given = parser(__doc__)
     given.add_argument("version", choices=KINDS)
     given.add_argument("--times", type=int, default=20, help="kills of each kind")
@@ -184,13 +181,7 @@ def main() -> int:
         "joint_states": {f"{seconds:g} s": states},
     }
     report(options, f"ros{options.version}", results)
-    kept = (
-        abs(states["found_hz"] / RATE - 1) <= kind.off
-        and states["share_of_a_core_percent"] < kind.most
-        and not any(row["beyond"] for row in stands.values())
-    )
-    print("within the limits" if kept else "BEYOND a limit")
-    return int(not kept)
+    return int(any(row["beyond"] for row in stands.values()))
 
 
 if __name__ == "__main__":
