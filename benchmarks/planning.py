@@ -38,8 +38,6 @@ from aioduco.sim.planner.path import JointSetPoint
 from aioduco.sim.scene import Box, mjcf_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
     from aioduco.kinematics import Arm
@@ -57,67 +55,58 @@ SOME = 5
 DOWN, AHEAD = (np.pi, 0.0, 0.0), (0.0, 0.5 * np.pi, 0.0)
 
 
+Triple = tuple[float, float, float]
+
+
 class Side(NamedTuple):
     """Where poses are drawn: corners of a box [of the arm's reach], and how the flange points."""
 
-    low: tuple[float, float, float]
-    high: tuple[float, float, float]
-    facing: tuple[float, float, float]
+    low: Triple
+    high: Triple
+    facing: Triple
     tilt: float
 
 
 class Setting(NamedTuple):
-    """A scene with the two sides that queries lead between."""
+    """Boxes, each with centre and size [of the reach], and the sides that queries lead between."""
 
-    things: list[Box]
+    boxes: dict[str, tuple[Triple, Triple]]
     start: Side
     goal: Side
 
 
-def wall(r: float) -> Setting:
-    things = [Box(at=(0.65 * r, 0, 0.4 * r), size=(0.6 * r, 0.05 * r, 0.8 * r), name="wall")]
-    low, high = (0.4, 0.15, 0.25), (0.8, 0.6, 0.8)
-    other = Side((0.4, -0.6, 0.25), (0.8, -0.15, 0.8), DOWN, 0.6)
-    return Setting(things, Side(low, high, DOWN, 0.6), other)
-
-
-def shelf(r: float) -> Setting:
-    x, wide, deep, thick = 0.8 * r, 1.0 * r, 0.35 * r, 0.02 * r
-    things = [
-        Box(at=(x, 0, z * r), size=(deep, wide, thick), name=f"board{i}")
-        for i, z in enumerate((0.25, 0.65, 1.05))
-    ]
-    things += [
-        Box(at=(x, s * 0.5 * wide, 0.65 * r), size=(deep, thick, 0.82 * r), name=f"side{i}")
-        for i, s in enumerate((-1, 1))
-    ]
-    things += [
-        Box(at=(x + 0.5 * deep, 0, 0.65 * r), size=(thick, wide, 0.82 * r), name="back"),
-        Box(at=(x, 0.3 * r, 0.33 * r), size=(0.12 * r, 0.1 * r, 0.14 * r), name="box0"),
-        Box(at=(x, -0.2 * r, 0.32 * r), size=(0.1 * r, 0.12 * r, 0.12 * r), name="box1"),
-        Box(at=(x, 0.1 * r, 0.72 * r), size=(0.1 * r, 0.1 * r, 0.12 * r), name="box2"),
-    ]
-    within = Side((0.66, -0.42, 0.35), (0.8, 0.42, 0.95), AHEAD, 0.3)
-    return Setting(things, Side((0.1, -0.7, 0.3), (0.55, 0.7, 0.9), AHEAD, 0.8), within)
-
-
-def slot(r: float) -> Setting:
-    x, thick, middle, gap = 0.62 * r, 0.03 * r, 0.55 * r, 0.4 * r
-    wide, high = 1.8 * r, 1.4 * r
-    low = middle - 0.5 * gap
-    top = high - middle - 0.5 * gap
-    side = 0.5 * (wide - gap)
-    things = [
-        Box(at=(x, 0, 0.5 * low), size=(thick, wide, low), name="below"),
-        Box(at=(x, 0, high - 0.5 * top), size=(thick, wide, top), name="above"),
-        Box(at=(x, 0.5 * (gap + side), middle), size=(thick, side, gap), name="left"),
-        Box(at=(x, -0.5 * (gap + side), middle), size=(thick, side, gap), name="right"),
-    ]
-    beyond = Side((0.68, -0.1, 0.45), (0.85, 0.1, 0.65), AHEAD, 0.4)
-    return Setting(things, Side((0.1, -0.6, 0.3), (0.45, 0.6, 0.9), AHEAD, 0.8), beyond)
-
-
-SCENES: dict[str, Callable[[float], Setting]] = {"wall": wall, "shelf": shelf, "slot": slot}
+SCENES = {
+    "wall": Setting(
+        {"wall": ((0.65, 0.0, 0.4), (0.6, 0.05, 0.8))},
+        Side((0.4, 0.15, 0.25), (0.8, 0.6, 0.8), DOWN, 0.6),
+        Side((0.4, -0.6, 0.25), (0.8, -0.15, 0.8), DOWN, 0.6),
+    ),
+    "shelf": Setting(
+        {
+            "board0": ((0.8, 0.0, 0.25), (0.35, 1.0, 0.02)),
+            "board1": ((0.8, 0.0, 0.65), (0.35, 1.0, 0.02)),
+            "board2": ((0.8, 0.0, 1.05), (0.35, 1.0, 0.02)),
+            "side0": ((0.8, -0.5, 0.65), (0.35, 0.02, 0.82)),
+            "side1": ((0.8, 0.5, 0.65), (0.35, 0.02, 0.82)),
+            "back": ((0.975, 0.0, 0.65), (0.02, 1.0, 0.82)),
+            "box0": ((0.8, 0.3, 0.33), (0.12, 0.1, 0.14)),
+            "box1": ((0.8, -0.2, 0.32), (0.1, 0.12, 0.12)),
+            "box2": ((0.8, 0.1, 0.72), (0.1, 0.1, 0.12)),
+        },
+        Side((0.1, -0.7, 0.3), (0.55, 0.7, 0.9), AHEAD, 0.8),
+        Side((0.66, -0.42, 0.35), (0.8, 0.42, 0.95), AHEAD, 0.3),
+    ),
+    "slot": Setting(
+        {
+            "below": ((0.62, 0.0, 0.175), (0.03, 1.8, 0.35)),
+            "above": ((0.62, 0.0, 1.075), (0.03, 1.8, 0.65)),
+            "left": ((0.62, 0.55, 0.55), (0.03, 0.7, 0.4)),
+            "right": ((0.62, -0.55, 0.55), (0.03, 0.7, 0.4)),
+        },
+        Side((0.1, -0.6, 0.3), (0.45, 0.6, 0.9), AHEAD, 0.8),
+        Side((0.68, -0.1, 0.45), (0.85, 0.1, 0.65), AHEAD, 0.4),
+    ),
+}
 
 
 def draw(
@@ -171,9 +160,16 @@ def compared(plan: Plan) -> float:
 def measure(arm: Arm, setting: Setting, number: int) -> dict[str, Any]:
     """One scene and one arm."""
     random = np.random.default_rng(7)
-    scene = Scene(arm, setting.things)
+
+    def scaled(share: Triple) -> Triple:
+        x, y, z = share
+        return x * arm.reach, y * arm.reach, z * arm.reach
+
+    boxes = setting.boxes.items()
+    things = [Box(at=scaled(at), size=scaled(size), name=name) for name, (at, size) in boxes]
+    scene = Scene(arm, things)
     checker = scene.checker()
-    world = World(arm, scene=mjcf_of(setting.things, free=False))
+    world = World(arm, scene=mjcf_of(things, free=False))
 
     def untouched(q: Points) -> bool:
         return not scene.collides(Joints.of(q))
@@ -222,10 +218,9 @@ def measure(arm: Arm, setting: Setting, number: int) -> dict[str, Any]:
 def main() -> None:
     options = parser(__doc__).parse_args()
     figures: dict[str, dict[str, Any]] = {}
-    for name, make in SCENES.items():
+    for name, setting in SCENES.items():
         for model in ARMS:
-            arm = arm_of(model)
-            row = measure(arm, make(arm.reach), 5 if options.quick else 100)
+            row = measure(arm_of(model), setting, 5 if options.quick else 100)
             figures[f"{name}, {model}"] = row
             print(f"{name}, {model}: {row}", flush=True)
     report(options, "planning", {"planning": figures})

@@ -71,7 +71,7 @@ with Simulator(speed=float(sys.argv[1])) as sim:
 WAIT = 2.0
 #: a line along y [m] with so many swings of a weave, whose shapes have these numbers
 LENGTH, SWINGS = 0.3, 300
-SHAPES = {"triangle": 1, "sine": 2, "circle": 3, "trapezoid": 4, "eight": 5}
+SHAPES = TRIANGLE, SINE, CIRCLE, TRAPEZOID, EIGHT = range(1, 6)
 
 
 # -- a simulator in a process of its own ---------------------------------------------------------
@@ -262,13 +262,12 @@ def asks(port: int, quick: bool) -> Iterator[Ask]:
         robot.power_on(True)
         robot.enable(True)
         start = Pose.of(robot.get_tcp_pose())
-        for name, shape in SHAPES.items():
-            if not quick or name in ("sine", "trapezoid"):
-                swings: Any = (SWINGS * 0.02 / LENGTH, 0.004, 0.0, 0.0, 0.0, [0, 0], False, [])
-                robot.combine_motion_config(shape, 0, *swings)
-                robot.enable_combine_motion()
-                yield partial(line, start)
-                robot.disable_combine_motion()
+        for shape in (SINE, TRAPEZOID) if quick else SHAPES:
+            swings: Any = (SWINGS * 0.02 / LENGTH, 0.004, 0.0, 0.0, 0.0, [0, 0], False, [])
+            robot.combine_motion_config(shape, 0, *swings)
+            robot.enable_combine_motion()
+            yield partial(line, start)
+            robot.disable_combine_motion()
         for motion in (spline, spiral, chain):
             yield partial(motion, start)
 

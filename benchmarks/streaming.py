@@ -192,15 +192,10 @@ async def greatest_rate(port: int, quick: bool) -> Rows:
         for name, way in in_turns(rounds, ways):
             rates[name].append(await way())
     medians = {name: statistics.median(found) for name, found in rates.items()}
-    slowest = medians.get("Apache")
-    return {
-        name: {
-            "calls_per_second": round(rate, 1),
-            "to_thriftpy2": round(rate / medians["thriftpy2"], 3),
-            "to_apache": round(rate / slowest, 1) if slowest else "",
-        }
-        for name, rate in medians.items()
-    }
+    rows = {name: {"calls_per_second": round(rate, 1)} for name, rate in medians.items()}
+    for name, rate in medians.items():
+        rows["process"][f"to_{name.lower()}"] = round(medians["process"] / rate, 3)
+    return rows
 
 
 async def send(found: Lateness, stream: Any, points: list[list[float]]) -> None:

@@ -96,19 +96,16 @@ class Noise:
             return None
         noise = self._draw.standard_normal((3, 6))
         assert item.external is not None
-        return item._replace(
-            time=item.time + self._draw.uniform(0.001, LATE),
-            joints=_single(item.joints + JOINTS * noise[0]),
-            speeds=_single(item.speeds + SPEEDS * noise[1]),
-            expected=_single(item.expected),
-            expected_speeds=_single(item.expected_speeds),
-            pose=_single(item.pose),
-            external=_single(item.external + TORQUES * self._effort * noise[2]),
-        )
-
-
-def _single(values: Any) -> tuple[float, ...]:
-    return tuple(np.asarray(values, np.float32).tolist())
+        read = {
+            "joints": item.joints + JOINTS * noise[0],
+            "speeds": item.speeds + SPEEDS * noise[1],
+            "expected": item.expected,
+            "expected_speeds": item.expected_speeds,
+            "pose": item.pose,
+            "external": item.external + TORQUES * self._effort * noise[2],
+        }
+        single = {name: tuple(np.array(each, "f4").tolist()) for name, each in read.items()}
+        return item._replace(time=item.time + self._draw.uniform(0.001, LATE), **single)
 
 
 class Cell:
