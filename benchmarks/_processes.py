@@ -5,10 +5,10 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-import subprocess
 import sys
 import time
-from typing import TYPE_CHECKING, Any
+from subprocess import PIPE, Popen
+from typing import IO, TYPE_CHECKING, Any
 
 import anyio
 from _common import CORES, HERE
@@ -20,7 +20,6 @@ from aioduco._wire.rpc import RpcClient
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
-    from typing import Self
 
     from aioduco import Robot
 
@@ -32,50 +31,36 @@ def processor_time(pid: int) -> float:
     return time.clock_gettime(~pid << 3 | 2)
 
 
-class Program:
+class Program(Popen[str]):
     """A program of Python in a process of its own, which reads and writes lines.
 
     It ends when its standard input is closed, so it cannot outlive the benchmark.
     """
 
-    def __init__(self, *arguments: str, quiet: bool = False) -> None:
-        self.process = subprocess.Popen(
-            [sys.executable, *arguments],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL if quiet else None,
-            text=True,
-        )
+    stdin: IO[str]
+    stdout: IO[str]
 
-    def __enter__(self) -> Self:
-        return self
+    def __init__(self, *arguments: str, stdout: int = PIPE, stderr: int | None = None) -> None:
+        command = [sys.executable, *arguments]
+        super().__init__(command, stdin=PIPE, stdout=stdout, stderr=stderr, text=True)
 
     def line(self) -> str:
         """The next line that it writes."""
-        assert self.process.stdout is not None
-        line = self.process.stdout.readline()
+        line = self.stdout.readline()
         if not line:
-            raise RuntimeError(f"{self.process.args!r} ended before it answered")
+            raise RuntimeError(f"{self.args!r} ended before it answered")
         return line
 
     def ask(self, line: str) -> str:
         """Write a line, and return the one that it answers by."""
-        assert self.process.stdin is not None
-        self.process.stdin.write(f"{line}\n")
-        self.process.stdin.flush()
+        self.stdin.write(f"{line}\n")
+        self.stdin.flush()
         return self.line()
 
     def end(self) -> str:
         """Close its standard input; the rest of what it writes until it has ended."""
-        assert self.process.stdin is not None
-        assert self.process.stdout is not None
-        with self.process:
-            self.process.stdin.close()
-            return self.process.stdout.read()
-
-    def __exit__(self, *_: object) -> None:
-        if self.process.returncode is None:
-            self.end()
+        self.stdin.close()
+        return self.stdout.read()
 
 
 CONTROLLER = str(HERE / "controller.py")

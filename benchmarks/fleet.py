@@ -23,6 +23,7 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import AsyncExitStack, ExitStack
 from multiprocessing import get_context
 from pathlib import Path
+from subprocess import DEVNULL
 from typing import TYPE_CHECKING, Any
 
 import anyio
@@ -199,8 +200,8 @@ def gateways(options: argparse.Namespace) -> None:
         made = files(folder, server.ports)
         for path in made:
             serve = ("-m", "aioduco.cli", "fleet", "serve", str(path))
-            gateway = stack.enter_context(Program(*serve, quiet=True))
-            stack.callback(gateway.process.terminate)
+            gateway = stack.enter_context(Program(*serve, stderr=DEVNULL))
+            stack.callback(gateway.terminate)
             gateway.line()
         figures = anyio.run(reach, server.ports, made[0], stops)
     report(options, "fleet_gateway", {"gateways": 2, "arms_each": each, "stops": stops, **figures})

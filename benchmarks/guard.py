@@ -22,6 +22,7 @@ import signal
 import time
 from collections import defaultdict
 from functools import partial
+from subprocess import DEVNULL
 from typing import TYPE_CHECKING, Any
 
 import anyio
@@ -233,18 +234,18 @@ class Victim(Program):
 
     def __init__(self, port: int, guard: GuardKind | None) -> None:
         options = json.dumps([HOST, port, guard, HEARTBEAT, STALL_LIMIT])
-        super().__init__("-c", PROGRAM, options, quiet=True)
+        super().__init__("-c", PROGRAM, options, stderr=DEVNULL)
         self.guard: int | None = json.loads(self.line())
 
-    def __exit__(self, *_: object) -> None:
-        self.process.kill()
-        super().__exit__()
+    def __exit__(self, *_: Any) -> None:
+        self.kill()
+        super().__exit__(*_)
 
     # each returns when it began
 
     def die(self) -> float:
         begin = time.monotonic()
-        self.process.kill()
+        self.kill()
         return begin
 
     def hang(self) -> float:
@@ -254,7 +255,7 @@ class Victim(Program):
     def lose_guard(self) -> float:
         assert self.guard is not None
         # Frozen first: it is the heartbeat's end that is measured, not the program's own stop.
-        self.process.send_signal(signal.SIGSTOP)
+        self.send_signal(signal.SIGSTOP)
         begin = time.monotonic()
         os.kill(self.guard, signal.SIGKILL)
         return begin

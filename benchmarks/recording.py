@@ -103,7 +103,7 @@ def kills(port: int, folder: Path, count: int) -> dict[str, float]:
             end = last + chance.uniform(0.5, 3.0)
             while last < end:
                 last = float(program.line())
-            program.process.kill()
+            program.kill()
             *lines, _ = program.end().split("\n")  # the last one may be cut off
             last = float(lines[-1]) if lines else last
         run = read(path)

@@ -35,6 +35,7 @@ import tempfile
 import time
 from collections import defaultdict
 from functools import partial
+from subprocess import DEVNULL, PIPE
 from typing import TYPE_CHECKING, Any
 
 import anyio
@@ -102,9 +103,9 @@ def load(burning: bool) -> Iterator[None]:
     with contextlib.ExitStack() as stack:
         for core in CORES if burning else ():
             program = stack.enter_context(Program("-c", "while True: pass"))
-            stack.callback(program.process.kill)
-            os.sched_setaffinity(program.process.pid, {core})
-            os.sched_setscheduler(program.process.pid, os.SCHED_OTHER, os.sched_param(0))
+            stack.callback(program.kill)
+            os.sched_setaffinity(program.pid, {core})
+            os.sched_setscheduler(program.pid, os.SCHED_OTHER, os.sched_param(0))
         yield
 
 
@@ -209,13 +210,9 @@ def judged(calls: dict[str, Figures]) -> Figures:
 @contextlib.contextmanager
 def tap(port: int) -> Iterator[int]:
     """`aioduco tap`; the port that it listens on."""
-    command = [sys.executable, "-m", "aioduco.cli", "tap", HOST, "--port", str(port), "--json"]
-    with subprocess.Popen(
-        [*command, "--listen", f"{HOST}:0"],
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-    ) as program:
+    command = ("-m", "aioduco.cli", "tap", HOST, "--port", str(port), "--json")
+    listen = ("--listen", f"{HOST}:0")
+    with Program(*command, *listen, stdout=DEVNULL, stderr=PIPE) as program:
         assert program.stderr is not None
         found = re.match(r"between [\d.]+:(\d+) ", program.stderr.readline())
         assert found

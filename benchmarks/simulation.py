@@ -20,9 +20,11 @@ import time
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+import anyio
 import numpy as np
 from _common import at_least, at_most, parser, percentile, report
 from _processes import ServerProcess, client, processor_time
+from rpc import called
 
 from aioduco._wire.rpc import Op
 from aioduco.kinematics import Arm, arm
@@ -119,7 +121,7 @@ def share(speed: str, seconds: float, *, forced: bool = False) -> dict[str, floa
     with moving(speed, forced=forced) as (server, robot):
 
         def now() -> Any:
-            times = float(server.ask("?")), processor_time(server.process.pid), time.perf_counter()
+            times = float(server.ask("?")), processor_time(server.pid), time.perf_counter()
             return np.array(times)
 
         before = now()
@@ -137,11 +139,8 @@ def share(speed: str, seconds: float, *, forced: bool = False) -> dict[str, floa
 def calls_a_second(seconds: float) -> int:
     """One client asks for the state as fast as it is answered, while the arm moves in real time."""
     with moving("1") as (_, robot):
-        calls, begin = 0, time.perf_counter()
-        while (took := time.perf_counter() - begin) < seconds:
-            robot.get_robot_state()
-            calls += 1
-    return round(calls / took)
+        durations = anyio.run(called, robot.get_robot_state, seconds)
+    return round(len(durations) / sum(durations))
 
 
 # -- planner and physics alone -------------------------------------------------------------------

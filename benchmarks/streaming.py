@@ -139,7 +139,7 @@ def bare_loop(found: Lateness, rate: float, core: int | None) -> Iterator[None]:
     """
     with Program(str(HERE / "ticks.py"), str(rate)) as program:
         if core is not None:
-            os.sched_setaffinity(program.process.pid, {core})
+            os.sched_setaffinity(program.pid, {core})
         program.line()  # what its start takes is over
         yield
         late, ticks, missed = json.loads(program.end())

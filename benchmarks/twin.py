@@ -145,7 +145,9 @@ class Cell:
                 items: list[Any] = []
                 if self._change and not self._changed and now >= self._at:
                     self._changed = self._begin_change(other)
-                if now >= next_at and self._stands and self._free(now):
+                # the second client waits for a rest of the program
+                waits = self._change == "second client" and self._at - 0.3 < now < self._at + 2.0
+                if now >= next_at and self._stands and not waits:
                     function, arguments = next(queue)
                     self._underway.append((now + self._late, function, arguments))
                     items.append(TwinCommand(now, function, arguments, True))
@@ -177,10 +179,6 @@ class Cell:
     @property
     def _stands(self) -> bool:
         return not self._sim.moving and not self._underway
-
-    def _free(self, now: float) -> bool:
-        """Whether the program may move: the second client waits for a rest of it."""
-        return not (self._change == "second client" and self._at - 0.3 < now < self._at + 2.0)
 
     def _begin_change(self, other: DucoCobot) -> bool:
         """Make the change, if this is a moment for it."""
