@@ -79,23 +79,22 @@ SHAPES = TRIANGLE, SINE, CIRCLE, TRAPEZOID, EIGHT = range(1, 6)
 # -- a simulator in a process of its own ---------------------------------------------------------
 
 
-def give_way(robot: RpcClient, push: float) -> None:
-    """Have force control keep up a force along the tool's z, which nothing answers."""
-    target = [0.0, 0.0, push, 0.0, 0.0, 0.0]
-    along = [i == 2 for i in range(6)]
-    robot.fc_config(along, target, [DAMPING] * 6, [0.05] * 6, [0.0] * 6, "", "", 0)
+def law(push: float) -> tuple[Any, Any, Any, Any, Any]:
+    """Of force control that keeps up a force along the tool's z, which nothing answers."""
+    along = (False, False, True, False, False, False)
+    return along, (0.0, 0.0, push, 0.0, 0.0, 0.0), (DAMPING,) * 6, (0.05,) * 6, (0.0,) * 6
 
 
 def move(port: int, done: threading.Event, forced: bool) -> None:
     """Move to and fro, one blocking joint motion after the other."""
     with client(port) as robot:
         if forced:
-            give_way(robot, PUSH)
+            robot.fc_config(*law(PUSH), "", "", 0)
             robot.fc_start()
         while not done.is_set():
             for goal, push in ((HOME + WAY, PUSH), (HOME - WAY, -PUSH)):
                 if forced:
-                    give_way(robot, push)
+                    robot.fc_config(*law(push), "", "", 0)
                 robot.movej2(goal.tolist(), 1.0, 3.0, 0.0, True, Op(), False)
 
 
@@ -150,26 +149,19 @@ class GivingWay:
     """Force control between planner and physics, which moves the tool to and fro all the time."""
 
     def __init__(self, any_arm: Arm, start: JointSetPoint, world: World) -> None:
-        self._world, self._time = world, 0.0
+        self._world, self._cycle, self._push = world, 0, -PUSH
         self._control = ForceControl(any_arm, CYCLE)
         self._control.start(start)
 
     def tick(self, setpoint: JointSetPoint) -> JointSetPoint:
         """The set-point of the drives, as the controller makes it."""
-        control, now = self._control, self._world.reading()
-        if control.law is None or self._time % 1.0 < CYCLE:
-            push = PUSH if control.law is None else -control.law.target[2]
-            control.law = AdmittanceLaw(
-                (False, False, True, False, False, False),
-                (0.0, 0.0, push, 0.0, 0.0, 0.0),
-                (DAMPING,) * 6,
-                (0.05,) * 6,
-                (0.0,) * 6,
-                ForceAxes(np.eye(4), np.eye(4)),
-            )
-        self._time += CYCLE
-        sensed = SensedState(self._time, 0.0, now.q, now.qd, now.wrench, now.external_torque)
-        drives, outcome = control.tick(setpoint, sensed, compliant=True)
+        now, time = self._world.reading(), self._cycle * CYCLE
+        if self._cycle % 1000 == 0:
+            self._push = -self._push
+            self._control.law = AdmittanceLaw(*law(self._push), ForceAxes(np.eye(4), np.eye(4)))
+        self._cycle += 1
+        sensed = SensedState(time, 0.0, now.q, now.qd, now.wrench, now.external_torque)
+        drives, outcome = self._control.tick(setpoint, sensed, compliant=True)
         if outcome is not None:
             raise RuntimeError(f"force control cannot follow: {outcome.message}")
         return drives
