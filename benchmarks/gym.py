@@ -10,8 +10,8 @@ well, and its physics Bullet's.
 
 from __future__ import annotations
 
+import contextlib
 import importlib
-import importlib.util
 import statistics
 import time
 from typing import Any
@@ -46,7 +46,7 @@ def main() -> None:
     options = parser(__doc__).parse_args()
     rounds, steps = (2, 40) if options.quick else (8, 400)
     kinds = {"aioduco": OURS}
-    if importlib.util.find_spec("panda_gym") is not None:
+    with contextlib.suppress(ImportError):
         importlib.import_module("panda_gym")
         kinds["panda-gym"] = THEIRS
     result: dict[str, Any] = {}
@@ -68,8 +68,7 @@ def main() -> None:
                 shares = [one / other for one, other in zip(ours, theirs, strict=True)]
                 figures["ours to theirs, p50"] = round(statistics.median(shares), 2)
                 figures["at the least"] = round(min(shares), 2)
-            name = f"{task}, {processes} process{'es' * (processes > 1)}"
-            result[name] = figures
+            result[f"{task}, {processes} process{'es' * (processes > 1)}"] = figures
     wire = several("aioduco/Reach-wire-v0", 1)
     rate(wire, 10)
     result["reach over the wire, 1 process"] = {"aioduco, steps/s": round(rate(wire, steps))}

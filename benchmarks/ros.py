@@ -16,7 +16,7 @@ import sys
 import tempfile
 import time
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any
 
 from _common import of_tests, parser, report, spread
 from _processes import processor_time
@@ -32,10 +32,6 @@ PATIENT = 120.0
 NUMBER = 60  # of the domain of ROS 2
 
 
-#: a process that the tests start programs in
-Process: TypeAlias = Any
-
-
 class Ros1:
     """A master, with a driver and clients.
 
@@ -49,17 +45,17 @@ class Ros1:
         self._folder = folder
         self.graph: Any = of_tests("integrations.ros.ros1_graph").Graph(folder, stack)
 
-    def start(self, sim: Any, name: str = "", guard: str = "") -> Process:
+    def start(self, sim: Any, name: str = "", guard: str = "") -> Any:
         """Start the driver of an arm."""
         given = [f"_heartbeat:={HEARTBEAT}", f"__name:={name}"] if name else []
         return self.graph.start_node(sim, *given, *([f"_guard:={guard}"] if guard else []))
 
-    def counting(self, seconds: float) -> Process:
+    def counting(self, seconds: float) -> Any:
         """A client that counts joint states, of an arm that is ready."""
         self.graph.call("bring_up")
         return self.graph.client("states", str(seconds), str(self._folder / "states.bag"))
 
-    def moving(self, name: str) -> Process:
+    def moving(self, name: str) -> Any:
         """A client whose goal is being carried out."""
         # a driver that the machine held up may not begin a goal
         for left in range(4, -1, -1):
@@ -78,16 +74,16 @@ class Ros2:
     def __init__(self, folder: Path, stack: contextlib.ExitStack) -> None:
         self.graph: Any = of_tests("integrations.ros.ros2_domain").Domain(folder, stack, NUMBER)
 
-    def start(self, sim: Any, name: str = "", guard: str = "") -> Process:
+    def start(self, sim: Any, name: str = "", guard: str = "") -> Any:
         given = [f"heartbeat:={HEARTBEAT}", f"-r __node:={name}"] if name else []
         given += [f"guard:={guard}"] if guard else []
         return self.graph.start_node(sim, *given, program=self.command)
 
-    def counting(self, seconds: float) -> Process:
+    def counting(self, seconds: float) -> Any:
         self.graph.ready()
         return self.graph.client("states", str(seconds))
 
-    def moving(self, name: str) -> Process:
+    def moving(self, name: str) -> Any:
         self.graph.ready("recover", NODE=f"/{name}")
         self.graph.go_to_start(NODE=f"/{name}")
         return self.graph.moving_client("200", "60.0", "2.0", **self.graph.lease())
