@@ -159,11 +159,12 @@ def turned(friction: Estimates, random: np.random.Generator) -> Evidence:
     return found
 
 
-def unit(section: str, name: str) -> str:
+def unit(section: str, name: str, note: str = "") -> str:
     """Name of a kind of values, which are judged together."""
     if section == "geometry":
         return "lengths [m]" if name[:-1] in ("a", "d") else "angles [rad]"
-    return f"{section} {name.rstrip('123456').removeprefix('joint_').removeprefix('line_')}"
+    kind = name.rstrip("123456").removeprefix("joint_").removeprefix("line_")
+    return f"{section} {kind}{note}"
 
 
 def judge(
@@ -191,10 +192,6 @@ def compare(kinds: Kinds, truth: ArmProfile, found: Calibration) -> None:
         judge(kinds, partial(unit, section), values, found.profile.values.get(section))
 
 
-def made_up_friction(name: str) -> str:
-    return f"{unit('friction', name)} in made-up time"
-
-
 def made_up(kinds: Kinds, seeds: Sequence[int]) -> None:
     """Judge times of power and friction by evidence in made-up time; friction of ten times as many.
 
@@ -207,7 +204,8 @@ def made_up(kinds: Kinds, seeds: Sequence[int]) -> None:
             estimate = estimate_times([watched(times, random())])
             judge(kinds, lambda _: "times in made-up time [s]", times, estimate.values)
         estimate = estimate_friction([turned(friction, random())])
-        judge(kinds, made_up_friction, friction, estimate.values)
+        kind_of = partial(unit, "friction", note=" in made-up time")
+        judge(kinds, kind_of, friction, estimate.values)
 
 
 def figures(kind: dict[str, list[float]]) -> dict[str, Any]:

@@ -128,9 +128,7 @@ def apache_module() -> Iterator[Any]:
     """The client that the Apache Thrift compiler makes of the IDL, or None without a compiler."""
     compiler = shutil.which("thrift")
     if compiler is None or importlib.util.find_spec("thrift") is None:
-        print(
-            "the Apache alternatives are left out: apt install thrift-compiler; pip install thrift"
-        )
+        print("without Apache's client: apt install thrift-compiler; pip install thrift")
         yield None
         return
     with tempfile.TemporaryDirectory() as out:

@@ -37,6 +37,7 @@ from _common import CORES, HERE, in_turns, parser, report, spread
 from _processes import CONTROLLER, HOST, Program, ServerProcess, client, open_lane
 
 import aioduco
+from aioduco._process.platform import drop_realtime_priority, set_realtime_priority
 from aioduco._wire.rpc import RealTimeControlData
 from aioduco.api.streams.realtime import RealtimeStreams
 from aioduco.api.streams.servo import Servo
@@ -99,12 +100,9 @@ async def load(busy: bool) -> AsyncIterator[None]:
 
 def urgent_allowed() -> bool:
     """Whether the system allows SCHED_FIFO."""
-    try:
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(1))
-    except OSError:
-        return False
-    os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
-    return True
+    allowed = set_realtime_priority(1)
+    drop_realtime_priority()
+    return allowed
 
 
 class Lateness:
