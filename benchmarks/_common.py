@@ -90,12 +90,8 @@ def machine() -> dict[str, Any]:
 
 def commit() -> str:
     """The commit of this tree, with "+" if tracked files differ from it."""
-    described = subprocess.run(
-        ["git", "-C", str(HERE), "describe", "--always", "--exclude=*", "--dirty=+"],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    command = ["git", "-C", str(HERE), "describe", "--always", "--exclude=*", "--dirty=+"]
+    described = subprocess.run(command, capture_output=True, text=True, check=False)
     return described.stdout.strip() or "unknown"
 
 

@@ -48,8 +48,10 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from aioduco._wire.lane import WireLane
+    from aioduco.supervision.settings import GuardKind
 
 NAMES = ("one", "two")
+GUARDS: dict[str, GuardKind | None] = {"without guard": None, "with guard": "process"}
 FEED_RATE = 20.0
 #: s that each motion takes
 MOTION = 2.0
@@ -57,30 +59,34 @@ MOTION = 2.0
 PAUSE = 0.25
 
 
-class Member:
-    """One robot of the fleet, busy."""
+class Fleet:
+    """Robots that are busy, until they are to stand.
 
-    def __init__(self, robot: aioduco.Robot) -> None:
-        self.robot = robot
+    Attributes:
+        samples: how many states were read.
+        moving: set unless they are to stand.
+    """
+
+    def __init__(self) -> None:
+        self.robots: list[aioduco.Robot] = []
         self.samples = 0
-        #: set unless the robot is to stand
-        self.allowed = anyio.Event()
-        self.allowed.set()
+        self.moving = anyio.Event()
+        self.moving.set()
 
-    async def read(self) -> None:
-        with self.robot.feed.subscribe() as feed:
+    async def read(self, robot: aioduco.Robot) -> None:
+        with robot.feed.subscribe() as feed:
             async for _ in feed:
                 self.samples += 1
 
-    async def move(self) -> None:
+    async def move(self, robot: aioduco.Robot) -> None:
         # from rest to rest in MOTION seconds, as the client can work out itself
         speed, acceleration = 1.0, 100.0
         way = (MOTION - speed / acceleration) * speed
         while True:
             try:
-                await self.robot.motion.movej2([way] * 6, speed, acceleration)
+                await robot.motion.movej2([way] * 6, speed, acceleration)
             except aioduco.TaskStopped:
-                await self.allowed.wait()
+                await self.moving.wait()
 
 
 async def last_stop(lanes: Sequence[WireLane], begin: float) -> float:
@@ -88,43 +94,42 @@ async def last_stop(lanes: Sequence[WireLane], begin: float) -> float:
     return max([await first_stop(lane, begin) for lane in lanes]) - begin
 
 
-async def measure(ports: list[int], guard: bool, seconds: float, stops: int) -> dict[str, Any]:
-    fleet: list[Member] = []
+async def measure(
+    ports: list[int], guard: GuardKind | None, seconds: float, stops: int
+) -> dict[str, Any]:
+    fleet = Fleet()
     lanes: list[WireLane] = []
     late: dict[str, list[float]] = {"stop_all": [], "all_stand": [], "bare_sends": []}
     async with AsyncExitStack() as stack, anyio.create_task_group() as tasks:
         for port in ports:
-            robot = aioduco.connect(
-                HOST, port, state_rate=FEED_RATE, guard="process" if guard else None
-            )
-            fleet.append(Member(await stack.enter_async_context(robot)))
+            opening = aioduco.connect(HOST, port, state_rate=FEED_RATE, guard=guard)
+            robot = await stack.enter_async_context(opening)
+            fleet.robots.append(robot)
             lanes.append(await stack.enter_async_context(open_lane(port)))
             await lanes[-1].rpc.set_system_value_double("duration", MOTION)
-            tasks.start_soon(fleet[-1].read)
-            tasks.start_soon(fleet[-1].move)
+            tasks.start_soon(fleet.read, robot)
+            tasks.start_soon(fleet.move, robot)
         # on connections that nothing else uses
         bare = [stack.enter_context(socket.create_connection((HOST, port))) for port in ports]
         message = call_bytes("stop", True)
         # As docs/guides/production.md has it: else Python looks through all of them for garbage.
         gc.collect()
         gc.freeze()
-        processes = [pid for pid in (os.getpid(), guard_of(fleet[0].robot)) if pid]
+        processes = [pid for pid in (os.getpid(), guard_of(fleet.robots[0])) if pid]
         before, begin = sum(map(processor_time, processes)), time.monotonic()
-        samples = sum(member.samples for member in fleet)
+        samples = fleet.samples
         await anyio.sleep(seconds)
         wall = time.monotonic() - begin
         share = (sum(map(processor_time, processes)) - before) / wall
-        rate = (sum(member.samples for member in fleet) - samples) / wall / len(fleet)
+        rate = (fleet.samples - samples) / wall / len(ports)
         for _ in range(stops):
             await anyio.sleep(PAUSE)
-            for member in fleet:
-                member.allowed = anyio.Event()
+            fleet.moving = anyio.Event()
             begin = time.monotonic()
-            await aioduco.stop_all(member.robot for member in fleet)
+            await aioduco.stop_all(fleet.robots)
             late["all_stand"].append(time.monotonic() - begin)
             late["stop_all"].append(await last_stop(lanes, begin))
-            for member in fleet:
-                member.allowed.set()
+            fleet.moving.set()
             await anyio.sleep(PAUSE)
             begin = time.monotonic()
             for each in bare:
@@ -137,7 +142,7 @@ async def measure(ports: list[int], guard: bool, seconds: float, stops: int) -> 
     return figures | {name: spread(times, "stops") for name, times in late.items()}
 
 
-def served(count: int, guard: bool, seconds: float, stops: int) -> dict[str, Any]:
+def served(count: int, guard: GuardKind | None, seconds: float, stops: int) -> dict[str, Any]:
     """One fleet and its controllers."""
     with ServerProcess(CONTROLLER, str(count)) as server:
         return anyio.run(measure, server.ports, guard, seconds, stops)
@@ -217,7 +222,7 @@ def main() -> None:
     counts, seconds = (((8, 20),), 3.0) if options.quick else (((32, 50), (100, 10)), 12.0)
     fleets: dict[str, dict[str, Any]] = {}
     for count, stops in counts:
-        for name, guard in (("without guard", False), ("with guard", True)):
+        for name, guard in GUARDS.items():
             # Each in a program of its own, as one would be: nothing of another one is left in it.
             with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as program:
                 found = program.submit(served, count, guard, seconds, stops).result()

@@ -214,12 +214,11 @@ def measure(arm: Arm, setting: Setting, number: int) -> dict[str, Any]:
 
 def main() -> None:
     options = parser(__doc__).parse_args()
-    figures: dict[str, dict[str, Any]] = {}
-    for name, setting in SCENES.items():
-        for model in ARMS:
-            row = measure(arm_of(model), setting, 5 if options.quick else 100)
-            figures[f"{name}, {model}"] = row
-            print(f"{name}, {model}: {row}", flush=True)
+    figures = {
+        f"{name}, {model}": measure(arm_of(model), setting, 5 if options.quick else 100)
+        for name, setting in SCENES.items()
+        for model in ARMS
+    }
     report(options, "planning", {"planning": figures})
 
 

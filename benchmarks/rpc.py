@@ -110,15 +110,10 @@ def load(burning: bool) -> Iterator[None]:
 
 
 def thriftpy2_client(port: int, stack: contextlib.ExitStack) -> Any:
-    module = thriftpy2.load(str(idl.path()), module_name="rpc_benchmark_thrift")
-    factory: Any = TCyBinaryProtocolFactory
-    client = make_client(
-        module.RPCRobot,
-        HOST,
-        port,
-        proto_factory=factory(),
-        trans_factory=TCyBufferedTransportFactory(),
-    )
+    service = thriftpy2.load(str(idl.path()), module_name="rpc_benchmark_thrift").RPCRobot
+    protocol: Any = TCyBinaryProtocolFactory
+    buffered = TCyBufferedTransportFactory()
+    client = make_client(service, HOST, port, proto_factory=protocol(), trans_factory=buffered)
     stack.callback(client.close)
     return client
 
@@ -132,9 +127,8 @@ def apache_module() -> Iterator[Any]:
         yield None
         return
     with tempfile.TemporaryDirectory() as out:
-        subprocess.run(
-            [compiler, "--gen", "py", "-out", out, str(idl.path())], check=True, capture_output=True
-        )
+        command = [compiler, "--gen", "py", "-out", out, str(idl.path())]
+        subprocess.run(command, check=True, capture_output=True)
         sys.path.insert(0, out)
         try:
             yield importlib.import_module("duco.RPCRobot")
@@ -221,14 +215,12 @@ def tap(port: int) -> Iterator[int]:
 def tapped(options: argparse.Namespace) -> None:
     """Calls straight and through a tap, and their table."""
     rounds = 20 if options.quick else 400
-    names = ("straight", "straight, once more", "through a tap")
-    times: dict[str, list[float]] = {name: [] for name in names}
+    times: dict[str, list[float]] = defaultdict(list)
     with contextlib.ExitStack() as stack:
         [port] = stack.enter_context(ServerProcess(CONTROLLER)).ports
-        ports = (port, port, stack.enter_context(tap(port)))
-        clients = {
-            name: thriftpy2_client(each, stack) for name, each in zip(names, ports, strict=True)
-        }
+        ports = {"straight": port, "straight, once more": port}
+        ports["through a tap"] = stack.enter_context(tap(port))
+        clients = {name: thriftpy2_client(each, stack) for name, each in ports.items()}
         for name, client in in_turns(rounds + 5, clients):
             start = time.perf_counter()
             for call in range(IN_A_ROUND):
