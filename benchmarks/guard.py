@@ -237,9 +237,9 @@ class Victim(Program):
         super().__init__("-c", PROGRAM, options, stderr=DEVNULL)
         self.guard: int | None = json.loads(self.line())
 
-    def __exit__(self, *_: Any) -> None:
+    def __exit__(self, *error: Any) -> None:
         self.kill()
-        super().__exit__(*_)
+        super().__exit__(*error)
 
     # each returns when it began
 

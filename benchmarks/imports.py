@@ -22,15 +22,11 @@ import subprocess
 import sys
 import tempfile
 import time
-from typing import TYPE_CHECKING
 
 import numpy as np
 from _common import in_turns, parser, report
 
 from aioduco.testing import RecordingServer
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 NUMPY = "import numpy"
 STOP = "aioduco stop HOST"
@@ -51,7 +47,7 @@ ANSWERS = {
 }
 
 
-def took(command: list[str], env: Mapping[str, str], server: RecordingServer) -> Took:
+def took(command: list[str], env: dict[str, str], server: RecordingServer) -> Took:
     """Seconds of a processor, and on the clock: until its stop has arrived, or else its end."""
     stops = len(server.received("stop"))
     before = resource.getrusage(resource.RUSAGE_CHILDREN)

@@ -53,7 +53,7 @@ async def spent(seconds: float) -> NDArray[np.float64]:
     return took
 
 
-async def moving(robot: aioduco.Robot) -> None:
+async def move(robot: aioduco.Robot) -> None:
     """Move to and fro until this is cancelled."""
     while True:
         for target in (HERE, THERE):
@@ -68,7 +68,7 @@ async def cost_and_size(
     sizes, recorded, signals = 0, 0.0, 0
     async with anyio.create_task_group() as group:
         if moves:
-            group.start_soon(moving, robot)
+            group.start_soon(move, robot)
         with robot.feed.subscribe("latest"):
             for _ in range(rounds):
                 off += await spent(seconds)
@@ -128,13 +128,10 @@ async def measured(quick: bool) -> dict[str, Any]:
         ) as robot:
             await robot.bring_up()
             robot.feed.forces = True
-            found: dict[str, Any] = {
-                "rate": RATE,
-                "moving": await cost_and_size(robot, folder, rounds, seconds, moves=True),
-                "standing": await cost_and_size(robot, folder, rounds, seconds, moves=False),
-            }
-        found["kill"] = kills(sim.port, folder, 5 if quick else 100)
-    return found
+            moving = await cost_and_size(robot, folder, rounds, seconds, moves=True)
+            standing = await cost_and_size(robot, folder, rounds, seconds, moves=False)
+        kill = kills(sim.port, folder, 5 if quick else 100)
+    return {"rate": RATE, "moving": moving, "standing": standing, "kill": kill}
 
 
 def main() -> None:

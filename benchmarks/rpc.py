@@ -35,11 +35,11 @@ import tempfile
 import time
 from collections import defaultdict
 from functools import partial
+from itertools import pairwise
 from subprocess import DEVNULL, PIPE
 from typing import TYPE_CHECKING, Any
 
 import anyio
-import numpy as np
 import thriftpy2
 from _common import CORES, at_most, in_turns, parser, report, spread
 from _processes import CONTROLLER, HOST, Program, ServerProcess, call_bytes, open_lane
@@ -76,8 +76,7 @@ async def called(call: Callable[[], Any], seconds: float, *, awaited: bool = Fal
         if awaited:
             await answer
         times.append(clock())
-    durations: list[float] = np.diff(times).tolist()
-    return durations
+    return [after - before for before, after in pairwise(times)]
 
 
 def bare_socket(

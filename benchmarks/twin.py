@@ -22,7 +22,7 @@ import time
 from collections import Counter, defaultdict
 from concurrent.futures import ProcessPoolExecutor
 from functools import cache
-from itertools import chain, cycle, islice, repeat
+from itertools import chain, count, cycle, islice, repeat
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -319,15 +319,14 @@ def main() -> None:
     if given.quick:
         given.runs, given.hours = 2, 0.02
     changes = list(islice(cycle(CHANGES), given.runs))
-    arms = [count % ARMS for count in range(given.runs)]
+    arms = [number % ARMS for number in range(given.runs)]
     seeds = range(1000, 1000 + given.runs)
     block = min(0.1, given.hours / DRAWS)
     blocks = range(round(given.hours / DRAWS / block) if block else 0)
     # Processes that start anew: the simulators' threads would not be in a fork.
     with ProcessPoolExecutor(given.jobs, multiprocessing.get_context("spawn")) as pool:
-        others = [seed + 500 for seed in seeds]
         with_change = pool.map(watched, arms, seeds, changes, repeat(40.0))
-        without = pool.map(watched, arms, others, repeat(""), repeat(12.0))
+        without = pool.map(watched, arms, count(1500), repeat(""), repeat(12.0))
         ordered = pool.map(hour_in_good_order, [n % ARMS for n in blocks], blocks, repeat(block))
         runs, good, orders = [*with_change], [*without], [*chain.from_iterable(ordered)]
     false_runs = [run for run in good if run.early]
