@@ -26,7 +26,7 @@ from aioduco.models.address import host_alone
 from aioduco.models.controller_clock import WallClock
 from aioduco.models.host_port import host_port
 from aioduco.models.names import ManualNames
-from aioduco.models.ranges import PORT, TEXT
+from aioduco.models.ranges import OWN_NAME_OR_NONE, PORT
 from aioduco.models.ranges import TIMEOUT as SECONDS
 from aioduco.models.similar import MisspeltRefused
 from aioduco.models.trace import ProcedureFinished, emit
@@ -838,7 +838,7 @@ class Robot(Uncopied, ManualNames, MisspeltRefused):
             HeartbeatLost: the heartbeat does not beat, or the program hung.
             TaskStopped: an outer block has ended.
         """
-        TEXT("name", name)
+        OWN_NAME_OR_NONE("name", name)
         self._supervisor.check_usable(name)
         return self._supervisor.permits.undertaking(name)
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias, get_args
 
 from aioduco.errors import Described, ParameterError
+from aioduco.models.ranges import OWN_NAME_OR_NONE
 from aioduco.models.words import one_of
 
 if TYPE_CHECKING:
@@ -97,7 +98,8 @@ class EnvelopeLimit:
     def __post_init__(self) -> None:
         one_of("action", self.action, get_args(Action))
         object.__setattr__(self, "speed", _positive("speed", self.speed, "m/s", _FASTEST))
-        if not isinstance(self.name, str) or len(self.name) > 64:
+        OWN_NAME_OR_NONE("name", self.name)
+        if len(self.name) > 64:
             raise ParameterError("name", self.name, "a text of up to 64 characters")
 
     @property

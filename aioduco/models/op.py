@@ -41,7 +41,7 @@ _AFTER_DISTANCE = Number(0.0, unit="m", source=_SOURCE)
 _SIGNED_TIME = Number(unit="s", source=_SOURCE)
 _SIGNED_DISTANCE = Number(unit="m", source=_SOURCE)
 _FLAG = Flag(source=_SOURCE)
-_NAME = Text(min_bytes=1, source=_SOURCE)
+_NAME = Text(min_bytes=1, one_line=True, source=_SOURCE)
 _POSE = PoseRule(source=_SOURCE)
 _JOINTS = JointsRule(source=_SOURCE)
 

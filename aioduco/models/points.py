@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
 from aioduco.errors import ParameterError
 from aioduco.models.pose import Joints, Pose
+from aioduco.models.ranges import OWN_NAME
 from aioduco.models.similar import did_you_mean
 from aioduco.models.toml_files import read_toml, rewrite
 
@@ -65,8 +66,7 @@ class TaughtPoints(MutableMapping[str, Point]):
         return self._points[name]
 
     def __setitem__(self, name: str, point: Point) -> None:
-        if not isinstance(name, str) or not name:
-            raise ParameterError("name", name, "a text, not empty")
+        OWN_NAME("name", name)
         if not isinstance(point, (Joints, Pose)):
             raise ParameterError(name, point, _EXPECTED)
         self._points[name] = point

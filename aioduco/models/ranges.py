@@ -46,15 +46,18 @@ if TYPE_CHECKING:
 
 FLAG = Flag(source="1.3.2")
 #: name of a tool, a work object or a track: the manual gives the 32 bytes for tools, in 1.3.7
-NAME = Text(min_bytes=1, max_bytes=32, source="1.3.7")
+NAME = Text(min_bytes=1, max_bytes=32, one_line=True, source="1.3.7")
 #: name of a tool or a work object; empty for the active one
-FRAME = Text(max_bytes=32, source="1.3.7")
+FRAME = Text(max_bytes=32, one_line=True, source="1.3.7")
 #: free text: log messages, values of string variables
 TEXT = Text(source="1.3.8")
 #: name of a program, a project's path, a system variable or a Modbus signal: the manual gives no
 #: length; only an empty name is refused
-LONG_NAME = Text(min_bytes=1, source="1.3.4")
-PATH = Text(source="1.3.4")
+LONG_NAME = Text(min_bytes=1, one_line=True, source="1.3.4")
+PATH = Text(one_line=True, source="1.3.4")
+#: name of a point, an undertaking, a limit, a thing: for the program and the people at it
+OWN_NAME = Text(min_bytes=1, one_line=True, source="this package")
+OWN_NAME_OR_NONE = Text(one_line=True, source="this package")
 FINITE = Number(source="double on the wire")
 FINITES = Vector(FINITE, source="list<double> on the wire")
 INT_32 = Integer(-(2**31), 2**31 - 1, source="i32 on the wire")

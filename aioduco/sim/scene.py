@@ -19,7 +19,8 @@ from aioduco.errors import ParameterError, SceneError
 from aioduco.kinematics.mjcf_elements import numbers, placed
 from aioduco.kinematics.mounting import MountingLike, base_in_world
 from aioduco.models.pose import Pose
-from aioduco.models.rules import Number, Text, Vector, stored
+from aioduco.models.ranges import OWN_NAME_OR_NONE
+from aioduco.models.rules import Number, Vector, stored
 from aioduco.models.rules.lists import ordered
 
 if TYPE_CHECKING:
@@ -62,7 +63,6 @@ _OTHERS = {
     "damping": Number(0.0, open_low=True, source="this package"),
 }
 _COLOUR = Vector(Number(0.0, 1.0, source="this package"), length=3)
-_NAME = Text(source="this package")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -89,7 +89,7 @@ class Thing(ABC):
     def __post_init__(self) -> None:
         _pose(self.at)
         stored(self, mass=_MASS)
-        _NAME("name", self.name)
+        OWN_NAME_OR_NONE("name", self.name)
         object.__setattr__(self, "colour", tuple(_COLOUR("colour", self.colour)))
         defaults = {field.name: field.default for field in fields(self)}
         for name in self._sizes:

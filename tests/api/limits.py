@@ -158,6 +158,8 @@ def wrong(rule: Any, sample: Any) -> SearchStrategy[Any]:
             if rule.max_bytes is not None:
                 values |= st.text(min_size=rule.max_bytes + 1)
                 values |= st.just("抓" * (rule.max_bytes // 3 + 1))
+            if rule.one_line:
+                values |= st.sampled_from(["a\nb", "a\0", "\x1b[2J", "a\u202eb", "\u2028"])
             return values | st.just("") if rule.min_bytes else values
         case rules.Vector():
             good = [float(value) for value in sample]

@@ -10,15 +10,18 @@ import numpy as np
 import pytest
 
 import aioduco
-from aioduco import ParameterError, Pose, SceneError, TaughtPoints, kinematics
+from aioduco import Joints, ParameterError, Pose, SceneError, TaughtPoints, kinematics
 from aioduco.compat import DucoCobot
 from aioduco.descriptions import ArmDescription, ToolDescription, moveit
 from aioduco.devices.cameras import BoardSize, SimulatedCamera, calibrate_hand_eye
 from aioduco.devices.grippers import Robotiq
 from aioduco.envelope import Zone
 from aioduco.integrations.panel import Panel
+from aioduco.models import ranges
+from aioduco.models.op import event
 from aioduco.planning import MotionLimits, PointCloud
 from aioduco.recording import read
+from aioduco.recording.playback import WaypointFile
 from aioduco.recording.tap import Tap
 from aioduco.sim import Simulator
 from aioduco.sim.scene import Box, mounting_of
@@ -32,6 +35,10 @@ NO_NUMBERS: list[Any] = [
 ]
 NO_LISTS: list[Any] = [3, math.nan, HUGE, "tool", b"tool", {}, object(), [[1.0]], ["a"] * 3]
 NO_FILES: list[Any] = [3, math.nan, True, "", b"run.mcap", [], "a\0b", "\ud800", ".", "/", object()]
+
+
+def ranges_of(rule: str) -> Callable[[Any], object]:
+    return lambda x: getattr(ranges, rule)("name", x)
 
 
 class _NoArm:
@@ -70,10 +77,34 @@ LISTENERS: dict[str, Callable[[Any], object]] = {
     "host of a publication": lambda x: aioduco.connect("192.0.2.1").publish(host=x),
     "listen": lambda x: Tap("192.0.2.1", listen=(x, 0)),
 }
+#: what names something, on the controller or for the program
+NAMES: dict[str, Callable[[Any], object]] = {
+    "tool": ranges_of("NAME"),
+    "frame": ranges_of("FRAME"),
+    "program": ranges_of("LONG_NAME"),
+    "project": ranges_of("PATH"),
+    "event": event,
+    "taught point": lambda x: TaughtPoints({x: Joints(0, 0, 0, 0, 0, 0)}),
+    "waypoint": lambda x: WaypointFile.new(arm="GCR5 910").add(x, [0.0] * 6),
+    "limit": lambda x: Zone.sphere((0, 0, 1), 0.1, name=x),
+    "thing": lambda x: Box(name=x),
+    "undertaking": lambda x: aioduco.connect("192.0.2.1").permit(x),
+}
 FILES: dict[str, Callable[[Any], object]] = {
     "record": lambda x: aioduco.connect("192.0.2.1", record=x),
     "path": read,
 }
+
+
+@pytest.mark.parametrize("kind", NAMES)
+def test_a_name_is_on_one_line(kind: str) -> None:
+    for name in ("a\nb", "a\0", "\x1b[2J", "a\u2028b", "\u202e", 3, None, b"a"):
+        with pytest.raises(ParameterError):
+            NAMES[kind](name)
+
+
+def test_a_name_may_have_spaces_of_any_width() -> None:
+    assert ranges.NAME("name", "抓手\u3000 1\u00a0") == "抓手\u3000 1\u00a0"
 
 
 def _modbus() -> Any:

@@ -269,7 +269,11 @@ def test_a_new_point_follows_the_text(name: str) -> None:
 
 def test_what_cannot_be_taught_changes_nothing() -> None:
     found = cell()
-    for name, point in (("pick", Joints(0, 0, 0, 0, 0, 0)), ("", Pose(0, 0, 0, 0, 0, 0))):
+    for name, point in (
+        ("pick", Joints(0, 0, 0, 0, 0, 0)),
+        ("", Pose(0, 0, 0, 0, 0, 0)),
+        ("a\nb", Pose(0, 0, 0, 0, 0, 0)),
+    ):
         with pytest.raises(aioduco.ParameterError):
             found.teach(name, point)
     assert found.text == TEXT

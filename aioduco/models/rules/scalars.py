@@ -6,6 +6,7 @@ import math
 import numbers
 import os
 import sys
+import unicodedata
 from collections.abc import Awaitable, Coroutine
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -251,18 +252,27 @@ class Text(Rule):
     Attributes:
         min_bytes: the minimum number of bytes.
         max_bytes: the maximum number of bytes, None if there is no limit.
+        one_line: whether it has no control characters, line ends among them: as of names.
     """
 
-    __slots__ = ("max_bytes", "min_bytes")
+    __slots__ = ("max_bytes", "min_bytes", "one_line")
 
-    def __init__(self, *, min_bytes: int = 0, max_bytes: int | None = None, source: str) -> None:
+    def __init__(
+        self,
+        *,
+        min_bytes: int = 0,
+        max_bytes: int | None = None,
+        one_line: bool = False,
+        source: str,
+    ) -> None:
         self.min_bytes: int = min_bytes
         self.max_bytes: int | None = max_bytes
+        self.one_line: bool = one_line
         self.source = source
-        words = "a string" if min_bytes == 0 else "a string that is not empty"
-        self.expected: str = words + (
-            f" of at most {max_bytes} bytes in UTF-8" if max_bytes else ""
-        )
+        size = f" of at most {max_bytes} bytes in UTF-8" if max_bytes else ""
+        parts = ("not empty",) * bool(min_bytes)
+        parts += ("on one line, without control characters",) * one_line
+        self.expected: str = ", ".join((f"a string{size}", *parts))
 
     def __call__(self, name: str, value: str) -> str:
         """Check `value` and return it."""
@@ -274,7 +284,16 @@ class Text(Rule):
             raise ParameterError(name, value, self.expected) from exc
         if size < self.min_bytes or (self.max_bytes is not None and size > self.max_bytes):
             raise ParameterError(name, value, self.expected)
+        if self.one_line and not _is_line(value):
+            raise ParameterError(name, value, self.expected)
         return str(value)
+
+
+def _is_line(text: str) -> bool:
+    """Whether a text has no control characters; spaces of all widths are none."""
+    return text.isprintable() or all(
+        each.isprintable() or unicodedata.category(each) == "Zs" for each in text
+    )
 
 
 class FileName(Rule):

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 from aioduco.errors import CellFileError, ParameterError, WaypointFileError
 from aioduco.models.points import Point, TaughtPoints, key_text
 from aioduco.models.pose import Joints, Pose
+from aioduco.models.ranges import OWN_NAME
 from aioduco.models.similar import did_you_mean, unknown
 from aioduco.models.toml_files import parse_toml, read_text, rewrite
 from aioduco.models.toml_lines import Statement, key_end, line_of, statements
@@ -166,8 +167,7 @@ class Cell(Mapping[str, Point]):
             ParameterError: the name is no text of one line, or the point is neither of the two.
             CellFileError: the text cannot take the point; nothing was changed.
         """
-        if not isinstance(name, str) or not name or not name.isprintable():
-            raise ParameterError("name", name, "a text of one line, not empty")
+        OWN_NAME("name", name)
         if not isinstance(point, Joints | Pose):
             raise ParameterError("point", point, "a Joints or a Pose")
         frame = self._points[name].frame if name in self._points else ""

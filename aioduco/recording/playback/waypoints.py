@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final, Literal, get_args
 
-from aioduco.errors import ParameterError, WaypointFileError
+from aioduco.errors import WaypointFileError
 from aioduco.models import ranges
 from aioduco.models.bounds import least, most
 from aioduco.models.pose import Joints
@@ -212,8 +212,7 @@ class WaypointFile:
             ParameterError: an argument is not allowed.
             WaypointFileError: a waypoint cannot follow the end of the text.
         """
-        if not isinstance(name, str) or not name.isprintable():
-            raise ParameterError("name", name, "a text of one line")
+        ranges.OWN_NAME_OR_NONE("name", name)
         angles = [round(math.degrees(each), 4) for each in ranges.JOINTS("joints", joints)]
         listed = ", ".join(f"{angle + 0.0:.4f}".rstrip("0").rstrip(".") for angle in angles)
         block = (
