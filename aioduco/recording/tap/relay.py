@@ -485,7 +485,7 @@ def main(arguments: Sequence[str]) -> int:
         own = socket.AF_INET6 if ":" in listen[0] else socket.AF_INET
         listener = socket.create_server(listen, family=own, backlog=128)
     except OSError as error:
-        channel.send(str(error))
+        channel.send(error.strerror or str(error))
         return 1
     channel.send(listener.getsockname()[:2])
     shorten_slice(_SLICE)

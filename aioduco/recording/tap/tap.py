@@ -72,8 +72,9 @@ class Tap(Uncopied):
         """Start the relay.
 
         Raises:
-            ConnectError: the address cannot be listened on, or is the controller's own, or the
-                controller's name is unknown or not resolved within 5 s.
+            OSError: the address cannot be listened on, for instance if the port is in use.
+            ConnectError: that address is the controller's own, or the controller's name is unknown
+                or not resolved within 5 s.
             RuntimeError: no process can be started.
         """
         addresses = self._addresses()
@@ -92,8 +93,7 @@ class Tap(Uncopied):
             raise
         if isinstance(ready, str):
             linked.close()
-            unheard = f"the tap cannot listen on {host_port(*self._listen)}: {ready}"
-            raise ConnectError(*self._controller, unheard)
+            raise OSError(f"the tap cannot listen on {host_port(*self._listen)}: {ready}")
         if _leads_to(addresses, ready):
             linked.close()
             where = host_port(*ready)
