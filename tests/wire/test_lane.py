@@ -264,7 +264,7 @@ async def test_the_hook_sees_connections_and_calls() -> None:
         await lane.rpc.get_noneblock_taskstate(3)
         with pytest.raises(OutcomeUnknown):
             await lane.rpc.pause(True)
-        lane.call_from_thread("stop", (False,), PATIENCE)
+        lane.call_from_thread("abort", (False,), PATIENCE)
         peer = (server.host, server.port)
     assert reporter.flush(10.0)
     opened_first, first, second, third = seen[0], seen[1], seen[2], seen[3]
@@ -285,7 +285,7 @@ async def test_the_hook_sees_connections_and_calls() -> None:
     assert isinstance(third, CallFinished)
     assert isinstance(third.error, OutcomeUnknown)
     functions = [event.function for event in seen if isinstance(event, CallFinished)]
-    assert functions == ["get_noneblock_taskstate", "pause", "stop"]
+    assert functions == ["get_noneblock_taskstate", "pause", "abort"]
     # none after the loss until it is needed; one for the thread
     assert sum(isinstance(event, ConnectionOpened) for event in seen) == 2
     assert sum(isinstance(event, ConnectionEnded) for event in seen) == 2

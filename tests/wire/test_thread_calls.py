@@ -96,7 +96,9 @@ async def test_a_signal_handler_stops_in_the_middle_of_a_call() -> None:
                 gate.open()
         finally:
             signal.signal(signal.SIGUSR1, before)
-        assert server.names == ["get_noneblock_taskstate", "stop"]
+        first, *others = server.names
+        # once more if its answer took longer than 0.1 s
+        assert (first, {*others}) == ("get_noneblock_taskstate", {"stop"})
 
 
 @pytest.mark.slow
