@@ -22,6 +22,7 @@ from aioduco.errors import (
     StreamRefused,
     StreamStarved,
     StreamStopped,
+    TaskStopped,
     WorkerFailed,
 )
 from aioduco.models.enums import ProgramState
@@ -180,6 +181,38 @@ async def test_so_does_a_stop_by_another_program(
         await ended_by(robot, sim, kind, other.stop, error=error)
         await eventually_async(lambda: not sim.tasks)
         assert not sim.view.moving
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["servoj", "servo_tcp", "speedj", "speedl"])
+async def test_a_loop_of_calls_within_a_permit_ends_by_a_stop_of_another_program(
+    robot: aioduco.Robot, sim: Simulator, kind: str
+) -> None:
+    args: dict[str, object] = {"v": 0.1, "a": 5.0} if "servo" in kind else {"a": 1.0, "time": 20.0}
+    by = {
+        "servoj": [START[0] + 2.0, *START[1:]],
+        "servo_tcp": [0, 0, 1e-4, 0, 0, 0],
+        "speedj": [0.05, 0, 0, 0, 0, 0],
+    }
+    call = partial(getattr(robot.motion, kind), by.get(kind, [0, 0, 0.01, 0, 0, 0]), **args)
+
+    async def loop() -> None:
+        with robot.permit("loop"):
+            while True:
+                await call().start()
+
+    async def stopped_by_another() -> None:
+        async with aioduco.connect(sim.host, sim.port, heartbeat=None) as other:
+            await eventually_async(lambda: sim.moving and robot.statistics().tasks > before + 10)
+            await other.stop()
+
+    before = robot.statistics().tasks
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(stopped_by_another)
+        with pytest.raises(TaskStopped, match=f"{kind} was not sent, since the arm was stopped"):
+            await loop()
+    await eventually_async(lambda: not sim.tasks)
+    assert not sim.view.moving
 
 
 @pytest.mark.slow
