@@ -15,12 +15,30 @@ from typing import TYPE_CHECKING, Any, TypeVar
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from contextlib import AbstractContextManager
+    from typing import Self
 
     from _typeshed import DataclassInstance
 
     Settings = TypeVar("Settings", bound=DataclassInstance)
 
-__all__ = ["Trial", "at_own_pace", "current", "started", "untimed"]
+__all__ = ["Moment", "Trial", "at_own_pace", "current", "moment", "started", "untimed", "wall"]
+
+
+class Moment(float):
+    """A time on the clock of a program that is tried [s of its `time.monotonic`].
+
+    Attributes:
+        wall: the same on the wall clock, by which this package measures [s of `time.monotonic`].
+    """
+
+    wall: float
+
+    @classmethod
+    def of(cls, seen: float, wall: float) -> Self:
+        """A moment on both clocks."""
+        moment = cls(seen)
+        moment.wall = wall
+        return moment
 
 
 class Trial(ABC):
@@ -52,6 +70,10 @@ class Trial(ABC):
         """
 
     # -- the program's time --------------------------------------------------------------------
+
+    @abstractmethod
+    def now(self) -> float:
+        """The program's time [s of its `time.monotonic`]."""
 
     @abstractmethod
     def untimed(self) -> AbstractContextManager[object]:
@@ -103,6 +125,18 @@ class Trial(ABC):
 
 #: the trial that this process carries out; None in every process but that of a preflight
 current: Trial | None = None
+
+
+def moment(at: float) -> float:
+    """A moment that has just passed [s of `time.monotonic`], for a value that the program reads."""
+    if current is None or isinstance(at, Moment):
+        return at
+    return Moment.of(current.now(), at)
+
+
+def wall(at: float) -> float:
+    """What `moment` was given: a time to compare with those that this package has measured."""
+    return at.wall if isinstance(at, Moment) else at
 
 
 def untimed() -> AbstractContextManager[object]:

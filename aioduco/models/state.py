@@ -7,6 +7,7 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
+from aioduco._process import trial
 from aioduco._process.copying import Frozen
 from aioduco.errors import ParameterError
 from aioduco.models.numpy_on_use import np
@@ -70,10 +71,14 @@ class Sample(Frozen):
     sequence: int
     received_at: float
 
+    def __post_init__(self) -> None:
+        if trial.current is not None:
+            object.__setattr__(self, "received_at", trial.moment(self.received_at))
+
     @property
     def age(self) -> float:
         """Seconds since the sample was received."""
-        return time.monotonic() - self.received_at
+        return time.monotonic() - trial.wall(self.received_at)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

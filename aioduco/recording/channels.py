@@ -32,6 +32,7 @@ from foxglove.messages import (
     Vector3,
 )
 
+from aioduco._process import trial
 from aioduco._process.platform import private
 from aioduco.models.rotation import quaternion_from_rpy
 
@@ -193,7 +194,7 @@ class MessageChannels:
     def sample(self, sample: Snapshot) -> None:
         """Write a sample of the state."""
         status, states, io = sample.status, sample.states, sample.io
-        at = status.received_at
+        at = trial.wall(status.received_at)
         stamp, time_ns = self._times(at, _SAMPLED)
         joints = _joint_states(time_ns, status.joints, status.joint_speeds.tolist())
         self._set.joints.log(joints, log_time=time_ns)
@@ -270,7 +271,7 @@ class MessageChannels:
         """Write an event of the robot."""
         what = plain(event)
         del what["at"]
-        self._json("/events", event.at, {"event": type(event).__name__, "what": what})
+        self._json("/events", trial.wall(event.at), {"event": type(event).__name__, "what": what})
 
     def line(self, at: float, level: int, name: str, message: str, file: str, line: int) -> None:
         """Write a log line."""

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import anyio
 
+from aioduco._process import trial
 from aioduco._process.copying import Uncopied
 from aioduco._process.reporting import BackgroundLogger
 from aioduco._wire.owner_loop import loop_callback
@@ -314,10 +315,11 @@ class RobotObserver(Uncopied):
                 async for sample in samples:
                     self._writer.put("sample", sample)
                     status = sample.status
-                    self._gaps.sampled(status.received_at, status.expected_joints)
+                    at = trial.wall(status.received_at)
+                    self._gaps.sampled(at, status.expected_joints)
                     self._missed = samples.dropped
                     if streams or self._streams:
-                        self._record_setpoints(sample.status.received_at)
+                        self._record_setpoints(at)
         except RobotStateError:
             return  # the robot was closed
 

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, ClassVar, Final, Literal, TypeAlias
 
+from aioduco._process import trial
 from aioduco._process.copying import Uncopied
 from aioduco.errors import DucoError, RobotStateError
 from aioduco.models.enums import SafetyState
@@ -64,6 +65,10 @@ class Event:
     """
 
     at: float
+
+    def __post_init__(self) -> None:
+        if trial.current is not None:
+            object.__setattr__(self, "at", trial.moment(self.at))
 
     #: of every event of the class
     _severity: ClassVar[Severity] = "info"
@@ -394,13 +399,14 @@ class Events(Uncopied):
         asked = -_ERRORS_EVERY
         with self._feed.subscribe() as samples:
             async for sample in samples:
-                doubt = sample.received_at - asked >= _ERRORS_EVERY
+                at = trial.wall(sample.received_at)
+                doubt = at - asked >= _ERRORS_EVERY
                 if before is not None:
                     for event in changes(before, sample):
                         self.tell(event)
                     doubt = doubt or suspicious(before, sample)
                 if doubt:
-                    asked = sample.received_at
+                    asked = at
                     await self._look_at_errors()
                 before = sample
 

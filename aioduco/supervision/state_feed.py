@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Generic, Literal, NamedTuple, TypeAlias, TypeV
 
 import anyio
 
+from aioduco._process import trial
 from aioduco._process.copying import Uncopied
 from aioduco.errors import (
     DucoError,
@@ -278,7 +279,7 @@ class StateFeed(Uncopied, MisspeltRefused):
     @property
     def heard_at(self) -> float:
         """When the last sample came, or, before the first, when the feed began [s]."""
-        return self._begun if self._latest is None else self._latest.received_at
+        return self._begun if self._latest is None else trial.wall(self._latest.received_at)
 
     @property
     def silence_limit(self) -> float:
@@ -457,7 +458,7 @@ class StateFeed(Uncopied, MisspeltRefused):
         before, self._latest, self._error = self._latest, snapshot, None
         self._count += 1
         if before is not None:
-            interval = snapshot.received_at - before.received_at
+            interval = trial.wall(snapshot.received_at) - trial.wall(before.received_at)
             known = self._interval
             self._interval = interval if known is None else known + _SMOOTHING * (interval - known)
         for subscription in self._subscriptions:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING
 
+from aioduco._process import trial
 from aioduco.devices.grippers.gripper import GripperState, PolledGripper
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
@@ -105,7 +106,7 @@ class DigitalGripper(OutputGripper):
 
     async def _read(self) -> GripperState:
         io = await self._inputs()
-        at = io.received_at
+        at = trial.wall(io.received_at)
         on = {name: of(io, name) for name in (self._holds, self._shut, self._opened) if name}
         # Samples come at intervals: one that is older than the output's change says nothing.
         fresh = at > self._sent_at

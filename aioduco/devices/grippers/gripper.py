@@ -74,7 +74,7 @@ class GripperState(NamedTuple):
     @property
     def age(self) -> float:
         """Time since then [s]."""
-        return time.monotonic() - self.read_at
+        return time.monotonic() - trial.wall(self.read_at)
 
 
 class PolledGripper(Uncopied, ABC):
@@ -195,7 +195,7 @@ class PolledGripper(Uncopied, ABC):
         """Note whether no new state comes; apart from the polls, since one of them may hang."""
         silence = Silence(self._poll)
         async for _ in every(self._poll):
-            age = silence.look(time.monotonic(), self.state.read_at)
+            age = silence.look(time.monotonic(), trial.wall(self.state.read_at))
             self._silent = age > self._max_age
 
     def _poll_failed(self, error: BaseException) -> None:
@@ -239,7 +239,8 @@ class PolledGripper(Uncopied, ABC):
             raise GripperError(f"{self} is closed: its block has ended. Nothing was sent")
 
     async def _read_state(self) -> GripperState:
-        state = await self._read()
+        read = await self._read()
+        state = read._replace(read_at=trial.moment(read.read_at))
         if self._held and state.holding is False and not self._going:
             self._held, self._lost = False, True
         self._state = state

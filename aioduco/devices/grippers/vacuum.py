@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import anyio
 
+from aioduco._process import trial
 from aioduco.devices.grippers.digital import OutputGripper, of
 from aioduco.devices.grippers.gripper import GripperState
 from aioduco.errors import ParameterError
@@ -109,7 +110,7 @@ class VacuumGripper(OutputGripper):
 
     async def _read(self) -> GripperState:
         io = await self._inputs()
-        at = io.received_at
+        at = trial.wall(io.received_at)
         vacuum = None if self._sensor is None else of(io, self._sensor)
         fresh = at > self._sent_at
         if self._sucking is None:

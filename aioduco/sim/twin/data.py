@@ -5,6 +5,8 @@ from __future__ import annotations
 from enum import Enum
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
+from aioduco._process import trial
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
@@ -106,7 +108,7 @@ class TwinSample(NamedTuple):
             external = _known(tuple(forces.external_torques.tolist()))
             force = _known(tuple(forces.tool.tolist()))
         return cls(
-            status.received_at,
+            trial.wall(status.received_at),
             tuple(status.joints),
             tuple(status.joint_speeds.tolist()),
             tuple(status.expected_joints),

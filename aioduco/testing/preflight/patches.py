@@ -90,6 +90,7 @@ def install(clock: ProgramClock, recorder: RunRecorder) -> None:
 def _clocks(clock: ProgramClock, recorder: RunRecorder) -> None:
     real = {name: getattr(time, name) for name in ("monotonic", "perf_counter", "time")}
     begin: dict[str, float] = {name: function() - clock.now() for name, function in real.items()}
+    begin["monotonic"] = 0.0  # the clock is on its scale
 
     def replaced(name: str, scale: int) -> Callable[[], float]:
         function: Callable[[], float] = getattr(time, name + ("_ns" if scale > 1 else ""))

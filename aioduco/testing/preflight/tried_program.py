@@ -86,6 +86,10 @@ class TriedProgram(Trial):
         """Record the call."""
         return self._recorder.call(name, args, vendor=vendor)
 
+    def now(self) -> float:
+        """The program's time."""
+        return self._clock.now()
+
     @contextmanager
     def untimed(self) -> Iterator[None]:
         """Hold the program's time."""

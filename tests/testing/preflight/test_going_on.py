@@ -319,3 +319,33 @@ def test_a_library_that_raises_the_error_again_does_not_handle_it(tmp_path: Path
     path.write_text("try:\n    go()\nexcept Exception as exc:\n    note(exc)\n    raise\n", "utf-8")
     assert not handled([WaitingLine(str(path), 2, {}, library=True)], TaskFailed)
     assert handled([WaitingLine(str(path), 2, {})], TaskFailed), "a program may act before"
+
+
+def test_when_a_value_came_is_said_in_the_programs_time(tmp_path: Path) -> None:
+    report = tried(
+        tmp_path,
+        """
+import asyncio
+import time
+import aioduco
+from aioduco import Joints
+
+async def main():
+    async with aioduco.connect("192.168.1.10") as robot:
+        await robot.bring_up()
+        before = time.monotonic()
+        await asyncio.sleep(1000.0)
+        sample = await robot.feed.latest()
+        state = await robot.state.get_robot_state()
+        with robot.events.subscribe() as events:
+            await robot.feed.latest()
+            await robot.motion.movej2(Joints.deg(0, -15, 105, 0, -90, 0), v=1.0, a=2.0)
+            event = await anext(events)
+        for at in (sample.received_at, sample.io.received_at, state.received_at, event.at):
+            assert before + 1000.0 <= at <= time.monotonic(), (before, at)
+        assert 0.0 <= sample.age < 900.0  # real time
+
+asyncio.run(main())
+""",
+    )
+    assert report.ok, report.findings
