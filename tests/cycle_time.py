@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
+from typing import Any
 
 from aioduco.sim import Simulator
 from aioduco.sim.controller.power import CHANGES
+from aioduco.sim.process import SimulatorProcess
 from aioduco.sim.simulator import CYCLE
 
 #: What is not about the simulator needs no finer cycle, and it takes less of the computer [s].
@@ -37,6 +39,23 @@ def set_cycle(seconds: float) -> float:
     before: float = defaults["cycle"]
     defaults["cycle"] = seconds
     return before
+
+
+def spare_processor(speed: float) -> None:
+    """Let this process's simulators, and those it spawns, take little of the computer if they may.
+
+    Args:
+        speed: how fast they run that the program gives no speed.
+    """
+    given: dict[str, Any] = {"cycle": COARSE, "speed": speed}
+    assert Simulator.__init__.__kwdefaults__ is not None
+    Simulator.__init__.__kwdefaults__.update(given)
+    make = SimulatorProcess.__init__
+
+    def make_sparing(process: SimulatorProcess, options: dict[str, Any]) -> None:
+        make(process, given | options)
+
+    SimulatorProcess.__init__ = make_sparing  # type: ignore[method-assign]
 
 
 def set_power_times(times: dict[str, float]) -> dict[str, float]:

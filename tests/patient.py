@@ -1,8 +1,9 @@
 """Runs a program as it is, but that its robots judge loops, connections and controllers lost later.
 
-    python patient.py PROGRAM [its arguments]
+    python patient.py [--speed N] PROGRAM [its arguments]
 
-A busy machine takes seconds over what takes a millisecond.
+A busy machine takes seconds over what takes a millisecond. With `--speed`, simulators to which the
+program gives no speed or cycle run so many times as fast, and in a coarse cycle.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import contextlib
 import runpy
 import sys
 from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
 
 import aioduco
@@ -76,6 +78,9 @@ def be_patient() -> None:
 if __name__ == "__main__":
     be_patient()
     del sys.argv[0]
+    if sys.argv[0] == "--speed":
+        import_module("cycle_time").spare_processor(float(sys.argv[1]))
+        del sys.argv[:2]
     sys.path[0] = str(Path(sys.argv[0]).parent)
     with patient_queue():
         runpy.run_path(sys.argv[0], run_name="__main__")

@@ -31,23 +31,29 @@ SAYS = {
 }
 
 
-#: on a simulated arm of their own alone: with its gripper, a second one, or what goes wrong
+#: on a simulated arm of their own alone: with its gripper, a second one, or what goes wrong; how
+#: fast that arm may be, since streams and pictures keep to the wall's time
 ALONE = {
-    "pick_and_place.py": ["part 2: placed", "3 of 3 placed"],
-    "gripper_robotiq.py": ["holds something: True", "fingers 40 mm apart"],
-    "two_arms.py": ["left: in the shared place, 3", "right: in the shared place, 3", "both are"],
-    "polish.py": ["4 lines, -1"],
-    "visual_servoing.py": ["beside the tool", "over it within 2 mm"],
-    "teach_and_replay.py": ["kept: ", "the way again: ", "the places again: 3 of 3"],
-    "behaviour_tree.py": ["to the parts: TaskFailed", "fetched 3 of 3"],
+    "pick_and_place.py": (4, ["part 2: placed", "3 of 3 placed"]),
+    "gripper_robotiq.py": (4, ["holds something: True", "fingers 40 mm apart"]),
+    "two_arms.py": (
+        4,
+        ["left: in the shared place, 3", "right: in the shared place, 3", "both are"],
+    ),
+    "polish.py": (1, ["4 lines, -1"]),
+    "visual_servoing.py": (1, ["beside the tool", "over it within 2 mm"]),
+    "teach_and_replay.py": (1, ["kept: ", "the way again: ", "the places again: 3 of 3"]),
+    "behaviour_tree.py": (4, ["to the parts: TaskFailed", "fetched 3 of 3"]),
 }
 
 NEEDS_ARM = ("gripper_dh.py", "gripper_of_your_own.py", "measure_payload.py", "twin_beside_arm.py")
 
 
-def run(*command: str) -> str:
+def run(*command: str, speed: int | None = None) -> str:
+    """Run an example; one that makes its own arms tells how fast these may be."""
+    own = () if speed is None else ("--speed", str(speed))
     done = subprocess.run(
-        [sys.executable, "-W", "error", PATIENT, *command],
+        [sys.executable, "-W", "error", PATIENT, *own, *command],
         check=False,
         capture_output=True,
         text=True,
@@ -93,15 +99,16 @@ def test_an_example_for_an_arm_says_that_it_needs_an_address(name: str) -> None:
 def test_with_more_than_an_arm(name: str) -> None:
     if name == "behaviour_tree.py":
         pytest.importorskip("py_trees", reason="needs pip install 'aioduco[examples]'")
-    said = run(str(EXAMPLES / name))
-    for words in ALONE[name]:
+    speed, says = ALONE[name]
+    said = run(str(EXAMPLES / name), speed=speed)
+    for words in says:
         assert words in said
 
 
 @pytest.mark.slow
 def test_a_job_goes_on_after_a_fault_and_after_its_end(tmp_path: Path) -> None:
     job = tmp_path / "job.json"
-    said = run(str(EXAMPLES / "resume_job.py"), str(job))
+    said = run(str(EXAMPLES / "resume_job.py"), str(job), speed=4)
     assert re.search(r"step (\d): TaskFailed\nstep \1: done\n", said)
     assert "the job is done" in said
     job.write_text('{"done": 4}', encoding="utf-8")
@@ -134,14 +141,16 @@ def test_a_stop_by_somebody_else_ends_it_where_nobody_can_be_asked(
 
 @pytest.mark.slow
 def test_a_log_of_lines_of_json() -> None:
-    lines = [json.loads(line) for line in run(str(EXAMPLES / "log_to_json.py")).splitlines()]
+    lines = [
+        json.loads(line) for line in run(str(EXAMPLES / "log_to_json.py"), speed=4).splitlines()
+    ]
     assert {"call", "motion"} <= {line["kind"] for line in lines}
     assert [line["outcome"] for line in lines if line["kind"] == "motion"] == ["finished"]
 
 
 @pytest.mark.slow
 def test_pressing_on_a_table() -> None:
-    said = run(str(EXAMPLES / "press_on_table.py"))
+    said = run(str(EXAMPLES / "press_on_table.py"), speed=1)
     about = r"-(19|20|21) N\n"
     assert re.fullmatch(f"pressing: {about}moved by 50 mm: {about}let go: 0 N\n", said)
 
