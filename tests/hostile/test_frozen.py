@@ -27,17 +27,6 @@ SWEEP = """
     from aioduco.testing.preflight.sweep import sweep
     sweep(__file__, (), PreflightSettings(), 1)
 """
-#: the error of each without the process
-ERRORS = {
-    GUARD: "GuardLost",
-    STREAM: "WorkerFailed",
-    PLANNER: "PlanningError",
-    PICTURES: "RenderError",
-    SIMULATOR: "RuntimeError",
-    TAP: "RuntimeError",
-    PREFLIGHT: "PreflightError",
-    SWEEP: "PreflightError",
-}
 #: what a stranger to each of the extras has not
 EXTRAS = ("mujoco", "ompl", "ruckig")
 #: what an interpreter does that is frozen into a program: whatever it is told, it runs the program
@@ -50,14 +39,29 @@ import anyio, aioduco
 {support}
 with open({starts!r}, "a") as starts:
     starts.write("a start of the motion program\\n")
-async def main():{body}
-try:
-    anyio.run(main)
-except (aioduco.DucoError, RuntimeError) as exc:
-    print(type(exc).__name__, exc)
-else:
-    print("done")
+def run(name, main):
+    try:
+        anyio.run(main)
+    except (aioduco.DucoError, RuntimeError) as exc:
+        print(f"{{name}}: {{type(exc).__name__}}", *str(exc).splitlines())
+    else:
+        print(f"{{name}}: done")
 """
+#: one of its parts
+PART = """
+async def {name}():{body}
+run("{name}", {name})
+"""
+#: the error of each part without its process
+ERRORS = {
+    "guard": "GuardLost",
+    "stream": "WorkerFailed",
+    "planner": "PlanningError",
+    "pictures": "RenderError",
+    "simulator": "RuntimeError",
+    "tap": "RuntimeError",
+    "preflight": "PreflightError",
+}
 
 
 @pytest.fixture
@@ -68,14 +72,18 @@ def bench() -> Iterator[Bench]:
 
 
 class Frozen:
-    """A frozen program: what it said, and how often it was started."""
+    """A frozen program of several parts, and how often it was started.
+
+    Attributes:
+        said: what it said of each part, by name.
+    """
 
     def __init__(
         self,
         bench: Bench,
         folder: Path,
-        body: str,
-        support: str,
+        parts: dict[str, str],
+        support: str = "",
         *,
         says_so: bool = True,
         without: tuple[str, ...] = (),
@@ -83,91 +91,93 @@ class Frozen:
         launcher, script, starts = folder / "launcher", folder / "program.py", folder / "starts"
         launcher.write_text(f'#!/bin/sh\nexec "{sys.executable}" "{script}" "$@"\n')
         launcher.chmod(0o755)
-        script.write_text(
-            PROGRAM.format(
-                frozen=says_so,
-                launcher=str(launcher),
-                support=support,
-                without=without,
-                starts=str(starts),
-                body=body.format(host=bench.host, port=bench.port, HOME=HOME),
-            )
+        begin = PROGRAM.format(
+            frozen=says_so,
+            launcher=str(launcher),
+            support=support,
+            without=without,
+            starts=str(starts),
         )
+        bodies = {
+            name: body.format(host=bench.host, port=bench.port, HOME=HOME)
+            for name, body in parts.items()
+        }
+        script.write_text(begin + "".join(PART.format(name=n, body=b) for n, b in bodies.items()))
         done = subprocess.run(
-            [str(launcher)], capture_output=True, text=True, timeout=60, check=False
+            [str(launcher)], capture_output=True, text=True, timeout=100, check=False
         )
-        self.said = done.stdout + done.stderr
+        lines = (done.stdout + done.stderr).splitlines()
+        self.said = {name: said for name, _, said in (line.partition(": ") for line in lines)}
+        assert list(self.said) == list(parts), lines
         self.starts = len(starts.read_text().splitlines())
+
+    @property
+    def errors(self) -> dict[str, str]:
+        """The error of each part."""
+        return {name: said.partition(" ")[0] for name, said in self.said.items()}
 
 
 ROBOT = {"guard": GUARD, "stream": STREAM}
 OTHERS = {"planner": PLANNER, "pictures": PICTURES, "simulator": SIMULATOR, "tap": TAP}
 PROGRAMS = {"preflight": PREFLIGHT, "sweep": SWEEP}
-
-
-def bodies(*kinds: dict[str, str]) -> pytest.MarkDecorator:
-    every = {name: body for kind in kinds for name, body in kind.items()}
-    return pytest.mark.parametrize("body", every.values(), ids=every)
+SUPPORT = "aioduco.freeze_support()"
 
 
 @pytest.mark.slow
-@bodies(ROBOT)
 def test_a_frozen_program_that_calls_freeze_support_has_guard_and_lanes(
-    bench: Bench, tmp_path: Path, body: str
+    bench: Bench, tmp_path: Path
 ) -> None:
     """Also without any of the extras that other processes need."""
-    program = Frozen(bench, tmp_path, body, "aioduco.freeze_support()", without=EXTRAS)
-    assert program.said == "done\n"
+    program = Frozen(bench, tmp_path, ROBOT, SUPPORT, without=EXTRAS)
+    assert program.said == dict.fromkeys(ROBOT, "done")
     assert program.starts == 1
-    assert bench.received("movej2" if body is GUARD else "servoj")
+    assert bench.received("movej2")
+    assert bench.received("servoj")
 
 
 @pytest.mark.slow
-@bodies(OTHERS)
-def test_it_has_planners_pictures_simulators_and_taps_too(
-    bench: Bench, tmp_path: Path, body: str
-) -> None:
-    program = Frozen(bench, tmp_path, body, "aioduco.freeze_support()")
-    assert program.said == "done\n"
+def test_it_has_planners_pictures_simulators_and_taps_too(bench: Bench, tmp_path: Path) -> None:
+    program = Frozen(bench, tmp_path, OTHERS, SUPPORT)
+    assert program.said == dict.fromkeys(OTHERS, "done")
     assert program.starts == 1
 
 
 @pytest.mark.slow
-@bodies(PROGRAMS)
-@pytest.mark.parametrize("support", ["aioduco.freeze_support()", ""], ids=["told", "untold"])
+@pytest.mark.parametrize("support", [SUPPORT, ""], ids=["told", "untold"])
 def test_it_tries_no_program_since_it_would_run_itself(
-    bench: Bench, tmp_path: Path, body: str, support: str
+    bench: Bench, tmp_path: Path, support: str
 ) -> None:
-    program = Frozen(bench, tmp_path, body, support)
+    program = Frozen(bench, tmp_path, PROGRAMS, support)
     assert program.starts == 1
-    assert program.said.startswith("PreflightError this is a frozen program")
+    for said in program.said.values():
+        assert said.startswith("PreflightError this is a frozen program")
 
 
 @pytest.mark.slow
-@bodies(ROBOT, OTHERS)
 def test_a_frozen_program_without_it_is_refused_and_not_started_again(
-    bench: Bench, tmp_path: Path, body: str
+    bench: Bench, tmp_path: Path
 ) -> None:
-    program = Frozen(bench, tmp_path, body, "")
+    program = Frozen(bench, tmp_path, ROBOT | OTHERS)
     assert program.starts == 1
     assert not bench.commands
-    assert program.said.startswith(ERRORS[body])
-    assert "aioduco.freeze_support()" in program.said
-    assert {GUARD: "without a guard", STREAM: 'run_in="thread"'}.get(body, "") in program.said
+    assert program.errors == {name: ERRORS[name] for name in ROBOT | OTHERS}
+    assert all(SUPPORT in said for said in program.said.values())
+    assert "without a guard" in program.said["guard"]
+    assert 'run_in="thread"' in program.said["stream"]
 
 
 @pytest.mark.slow
-@bodies(ROBOT, OTHERS, {"preflight": PREFLIGHT})
 def test_a_program_that_does_not_say_that_it_is_frozen_moves_nothing_when_started_by_mistake(
-    bench: Bench, tmp_path: Path, body: str
+    bench: Bench, tmp_path: Path
 ) -> None:
-    """It is started once, in place of the process; there it opens no robot, and starts nothing."""
+    """It is started in place of each process; there it opens no robot, and starts nothing."""
+    parts = ROBOT | OTHERS | {"preflight": PREFLIGHT}
     # glfw, which MuJoCo imports, would start it too: it asks its interpreter for a version.
-    program = Frozen(bench, tmp_path, body, "", says_so=False, without=("glfw",))
-    assert program.starts == 2
+    program = Frozen(bench, tmp_path, parts, says_so=False, without=("glfw",))
+    assert program.starts == 1 + len(parts)
     assert not bench.received("movej2")
     assert not bench.received("servoj")
-    assert program.said.startswith(ERRORS[body])
+    assert program.errors == ERRORS
 
 
 def test_a_program_that_is_not_frozen_may_call_it() -> None:
