@@ -36,13 +36,13 @@ async def test_an_arm_that_is_moved_and_recorded_is_known(
     truth = ArmProfile(MODEL, {**truth.values, "drives": drives}, single_precision=True)
     path = tmp_path / "run.mcap"
     told: list[str] = []
-    with Simulator(profile=truth, joints=READY, speed=6) as sim:
+    with Simulator(profile=truth, joints=READY, speed=6, cycle=0.002) as sim:
         async with aioduco.connect(sim.host, sim.port) as robot:
             await robot.bring_up()
-        extent = Extent(reach=0.5, poses=16, rounds=3, changes=1, lapses=0)
+        extent = Extent(reach=0.5, poses=12, rounds=1, changes=1, lapses=0)
         await measuring.measure(sim.host, sim.port, path, extent, told.append)
         assert sim.joints == pytest.approx(READY, abs=1e-3)
-    assert told[0] == "poses: 16 configurations"
+    assert told[0] == "poses: 12 configurations"
     outcome = CliRunner().invoke(
         app, ["calibrate", str(path), "-o", str(tmp_path / "arm.toml")], catch_exceptions=False
     )
