@@ -183,11 +183,9 @@ def _fitted(
         if np.abs(step).max() < _SMALLEST and np.abs(scales / before - 1.0).max() < 1e-3:
             break
     # The jackknife, by the leverage of each view.
-    pushes = []
-    for slope, error in zip(scaled, weighed, strict=True):
-        left = np.linalg.pinv(np.eye(6) - slope @ inverse @ slope.T, rcond=1e-3)
-        pushes.append(inverse @ slope.T @ (left @ error))
-    moves = np.array(pushes)[:, :6]
+    across = np.swapaxes(scaled, 1, 2)
+    left = np.linalg.pinv(np.eye(6) - scaled @ inverse @ across, rcond=1e-3)
+    moves = (inverse @ across @ left @ weighed[:, :, None])[:, :6, 0]
     return camera, board, (count - 1) / count * moves.T @ moves
 
 
