@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 import pytest
@@ -36,16 +36,12 @@ import its_helper, aioduco.sync
 with aioduco.sync.connect("192.0.2.1") as robot:
     robot.state.get_tcp_pose()
 """
-#: files with the names of what each process imports; `ctypes` is what an interpreter imports that
-#: glfw starts, which MuJoCo imports
-STRAYS = {
-    "guard": ("anyio", "json", "thriftpy2"),
-    "stream": ("anyio", "json", "thriftpy2"),
-    "planner": ("pickle", "ompl", "ctypes"),
-    "pictures": ("OpenGL", "ctypes"),
-    "simulator": ("mujoco", "ctypes"),
-    "preflight": ("mujoco", "json"),
-}
+#: processes, and files with the names of what they import; `ctypes` is what an interpreter imports
+#: that glfw starts, which MuJoCo imports
+STRAYS = [
+    (("guard", "stream", "preflight"), ("anyio", "json", "mujoco", "thriftpy2")),
+    (("planner", "pictures", "simulator"), ("ctypes", "mujoco", "ompl", "OpenGL", "pickle")),
+]
 #: such a file says that it is run, and ends the process
 STRAY = "import os, pathlib; pathlib.Path({ran!r}).touch(); os._exit(9)"
 
@@ -57,27 +53,33 @@ def bench() -> Iterator[Bench]:
         yield bench
 
 
-def program(bench: Bench, kind: str, tried: Path, begin: str = "") -> str:
-    body = KINDS[kind].format(host=bench.host, port=bench.port, HOME=HOME, tried=str(tried))
+def program(bench: Bench, kinds: Iterable[str], tried: Path, begin: str = "") -> str:
     (tried.parent / "its_helper.py").touch()
     tried.write_text(TRIED)
     # a busy machine may hold up the event loop, of which the program's robot would log
     quiet = "import logging; logging.getLogger('aioduco').setLevel(logging.ERROR)"
-    return (
-        f"{begin}\nimport anyio, aioduco\n{quiet}\n"
-        f"async def main():{body}anyio.run(main)\nprint('done')"
-    )
+    code = [begin, "import anyio, aioduco", quiet]
+    for kind in kinds:
+        body = KINDS[kind].format(host=bench.host, port=bench.port, HOME=HOME, tried=str(tried))
+        code.append(f"async def main():{body}anyio.run(main)\nprint({kind!r})")
+    return "\n".join(code)
 
 
 def run(command: list[str], cwd: Path) -> str:
-    done = subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=60, check=False)
+    done = subprocess.run(
+        command, cwd=cwd, capture_output=True, text=True, timeout=100, check=False
+    )
     return done.stdout + done.stderr
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", STRAYS)
+@pytest.mark.parametrize(("kinds", "strays"), STRAYS, ids=["robot", "others"])
 def test_stray_files_in_the_current_folder_are_not_run(
-    bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str
+    bench: Bench,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    kinds: tuple[str, ...],
+    strays: tuple[str, ...],
 ) -> None:
     monkeypatch.delenv("MUJOCO_GL")  # as programs have it, not these tests
     here, elsewhere = tmp_path / "here", tmp_path / "elsewhere"
@@ -85,34 +87,34 @@ def test_stray_files_in_the_current_folder_are_not_run(
         folder.mkdir()
     ran = tmp_path / "ran"
     ran.mkdir()
-    for name in STRAYS[kind]:
+    for name in strays:
         (here / f"{name}.py").write_text(STRAY.format(ran=str(ran / name)))
     script = elsewhere / "program.py"
     # The program's own import of MuJoCo is as it is anywhere; here it is to start nothing.
-    begin = "import sys\nsys.modules['glfw'] = None" if "ctypes" in STRAYS[kind] else ""
-    script.write_text(program(bench, kind, elsewhere / "tried.py", begin))
+    begin = "import sys\nsys.modules['glfw'] = None" if "ctypes" in strays else ""
+    script.write_text(program(bench, kinds, elsewhere / "tried.py", begin))
     said = run([sys.executable, str(script)], here)
-    assert said.startswith("done\n"), said  # then perhaps warnings
+    assert said.startswith("".join(f"{kind}\n" for kind in kinds)), said  # then perhaps warnings
     assert list(ran.iterdir()) == []
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("kind", "isolated"),
+    ("kinds", "flags"),
     # What is isolated finds least; where the others look, only a program of the first kinds may.
-    [*((kind, True) for kind in KINDS), ("guard", False), ("stream", False)],
+    [(tuple(KINDS), ("-I",)), (("guard", "stream"), ())],
+    ids=["isolated", "as others"],
 )
 def test_packages_that_only_the_program_knows_of_are_found(
-    bench: Bench, tmp_path: Path, kind: str, isolated: bool
+    bench: Bench, tmp_path: Path, kinds: tuple[str, ...], flags: tuple[str, ...]
 ) -> None:
     """A plain interpreter without any package; the program has put them on its own path."""
     folders = sorted(set(spawn._places().values()))
     script = tmp_path / "program.py"
     begin = f"import sys\nsys.path[:0] = {folders!r}"
-    script.write_text(program(bench, kind, tmp_path / "tried.py", begin))
+    script.write_text(program(bench, kinds, tmp_path / "tried.py", begin))
     base: str = sys._base_executable  # type: ignore[attr-defined]  # the only way to its file
-    flags = ["-I"] if isolated else []
-    assert run([base, *flags, str(script)], tmp_path) == "done\n"
+    assert run([base, *flags, str(script)], tmp_path) == "".join(f"{kind}\n" for kind in kinds)
 
 
 @pytest.mark.slow
