@@ -145,14 +145,14 @@ def test_episodes_repeat_by_seed_and_are_the_same_over_the_wire(
 def test_a_scripted_policy_solves_both_alike(made: Callable[..., Any], task: str) -> None:
     fast, wire = (made(f"aioduco/{task}-{kind}v0") for kind in ("", "wire-"))
     solved = 0
-    for seed in range(8):
+    for seed in range(4):
         trace, done = episode(fast, seed, POLICIES[task])
         solved += done
         if seed < 2:
             over_wire, also = episode(wire, seed, POLICIES[task])
             assert done == also
             np.testing.assert_allclose(trace[:, :6], over_wire[:, :6], rtol=0, atol=2e-3)
-    assert solved >= (6 if task == "Push" else 8), "a box may turn away from the rod"
+    assert solved >= (3 if task == "Push" else 4), "a box may turn away from the rod"
 
 
 @pytest.mark.slow
