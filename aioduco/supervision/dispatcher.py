@@ -86,9 +86,14 @@ class Dispatcher:
                 return
 
     async def note_rest(self) -> None:
-        """Note whenever the arm stands and nothing that the program started still runs."""
+        """Note whenever the arm stands and nothing that the program started still runs.
+
+        Before that, modes are ended that should be off: `robot.stop_now()` cannot wait for that.
+        """
         coordinator = self._coordinator
         async for _ in every(_REST_EVERY):
+            if not coordinator.streams:  # their workers end their own
+                await coordinator.modes.leave_due()
             # No await between the last check for commands on their way, and `at_rest`.
             if not coordinator.liveness.moves or coordinator.busy:
                 continue
@@ -275,6 +280,8 @@ class Dispatcher:
             command = await self._prepared(command, permit)
             await anyio.lowlevel.checkpoint_if_cancelled()  # from here to the send is no other
             self._admit(command, permit)
+            if mode is not None:  # again: a stop that it waited for may have ended it
+                self._coordinator.modes.enter(*mode)
         call, cancelled = await self._coordinator.answered(
             lane, permit, command.name, command.args, timeout, followed=False, mode=mode
         )

@@ -29,7 +29,7 @@ from aioduco.errors import ControllerError, DucoError, Refused, RobotStateError
 from aioduco.models.enums import TaskState
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
+    from collections.abc import Awaitable, Callable, Collection
 
     from aioduco.supervision.gate import PermitEnding
     from aioduco.supervision.stop_channel import StopChannel
@@ -62,6 +62,8 @@ class Modes:
         self._on: dict[str, tuple[bool, ...]] = {}
         #: of these, those that should be off by now
         self._overdue: set[str] = set()
+        #: of these, those that nobody has tried to end yet
+        self._due: set[str] = set()
         self._leaving = anyio.Lock()
         self.left_at_standstill: set[str] = set()
 
@@ -99,24 +101,37 @@ class Modes:
         was_on = ending in self._on
         self._on[ending] = args
         self._overdue.discard(ending)
+        self._due.discard(ending)
         return was_on
 
     def over(self, ending: str) -> None:
         """Note that a mode in which the arm yields or follows is off."""
         self._on.pop(ending, None)
         self._overdue.discard(ending)
+        self._due.discard(ending)
 
-    def overdue(self, ending: str) -> None:
-        """Note that a mode should be off, and may be on; `leave_overdue` ends it. Any thread."""
-        if ending in self._on:
-            self._overdue.add(ending)
+    def overdue(self, *endings: str) -> None:
+        """Note that modes should be off, and may be on; `leave_due` ends them. From any thread.
+
+        Args:
+            endings: the functions that end them; none for all modes that a stop ends.
+        """
+        for ending in endings or tuple(self._on):
+            if ending in self._on:
+                self._overdue.add(ending)
+                self._due.add(ending)
 
     async def leave(self) -> None:
         """Leave the modes in which the arm yields or follows, and empty the track pool.
 
         Failures are logged. A mode of which it is not known whether it was left is overdue.
         """
-        await self._leave(tuple(self._on))
+        await self._leave(self._on)
+
+    async def leave_due(self) -> None:
+        """Leave the modes that should be off, once: what fails is left to `leave_overdue`."""
+        if self._due:
+            await self._leave(self._due)
 
     async def leave_overdue(self, name: str) -> None:
         """Leave the modes that should be off by now, before something that moves the arm is sent.
@@ -127,29 +142,37 @@ class Modes:
         Raises:
             RobotStateError: one may still be on; `name` was not sent.
         """
-        if self._overdue:
-            await self._leave(tuple(self._overdue))
+        if self._overdue or self._leaving.locked():
+            await self._leave(self._overdue)
         for ending in self._overdue:
             raise RobotStateError(
                 f"{name} was not sent: {ending} was not answered, so the mode that it ends may be "
                 "on; call robot.stop()"
             )
 
-    async def _leave(self, modes: tuple[str, ...]) -> None:
+    async def _leave(self, modes: Collection[str]) -> None:
         async with self._leaving:
-            for name in modes:
-                args = self._on.pop(name, None)
-                if args is None:
-                    continue  # it was left meanwhile
+            for name in tuple(modes):
+                if name not in modes:
+                    continue  # it was left, or entered again, meanwhile
+                self._due.discard(name)
+                args = self._on.pop(name)
                 try:
                     await self._channel.control(name, args, _LEAVE_LIMIT)
-                except (DucoError, MemoryError) as exc:
-                    _log.warning("%s after a stop failed: %s", name, str(exc) or repr(exc))
+                except BaseException as exc:
                     if not isinstance(exc, Refused | ControllerError):
-                        self._on.setdefault(name, args)
-                        self._overdue.add(name)
-                        continue
-                self._overdue.discard(name)
+                        self._still_on(name, args)
+                    if not isinstance(exc, DucoError | MemoryError):
+                        raise  # it was cancelled
+                    _log.warning("%s after a stop failed: %s", name, str(exc) or repr(exc))
+                if name not in self._on:
+                    self._overdue.discard(name)
+
+    def _still_on(self, name: str, args: tuple[bool, ...]) -> None:
+        """Note that it is not known whether a mode was left, unless it was entered again."""
+        if name not in self._on:
+            self._on[name] = args
+            self._overdue.add(name)
 
     async def leave_at_standstill(
         self, timeout: float, follow: Callable[[str, int, float], Awaitable[object]]

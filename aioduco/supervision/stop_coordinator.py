@@ -31,7 +31,7 @@ from aioduco.errors import (
 from aioduco.models.enums import Outcome, ProgramState, TaskState
 from aioduco.supervision.concurrency import every, run_to_completion
 from aioduco.supervision.gate import PermitEnding
-from aioduco.supervision.motion_sources import TRACK_POOL, Modes
+from aioduco.supervision.motion_sources import Modes
 from aioduco.supervision.rest import bring_to_rest
 from aioduco.supervision.stop_channel import refusal
 from aioduco.supervision.task_follower import END_LIMIT, TaskFollower
@@ -147,7 +147,7 @@ class StopCoordinator:
             ending: why the permits have ended.
         """
         if ending is not PermitEnding.PAUSED:
-            self.modes.overdue(TRACK_POOL)
+            self.modes.overdue()
         if ending.stops:
             self._halt_streams()
             return
@@ -635,6 +635,7 @@ class StopCoordinator:
             if self._halt_streams():
                 await self._silence_streams()
             await self._controlled("abort")
+            await self.modes.leave()
             await self.standstill()
             if overtaken:
                 await self.stop_until_certain(overtaken)

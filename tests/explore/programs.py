@@ -152,11 +152,12 @@ class Envelope(Program):
 
 
 class Aborted(Program):
-    """A motion is awaited, and aborted."""
+    """A motion is awaited and a mode entered; the arm is stopped by `robot.abort()`."""
 
-    kinds = {"A": MOTION}
+    kinds = {"A": MOTION, "M": MODE}
 
     async def begin(self, robot: Robot) -> None:
+        robot.start("M", robot.enters("M"))
         robot.start("A", robot.awaits("A"))
         robot.may("the program calls robot.abort()", lambda: robot.start("abort", robot.aborts()))
 

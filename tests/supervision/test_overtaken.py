@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import asyncio
 import threading
+from collections.abc import Awaitable, Callable
 
 import anyio
+import anyio.to_thread
 import pytest
 from client.bench import HOME, Bench
 
@@ -25,13 +28,13 @@ class Mode:
     def __init__(self, bench: Bench) -> None:
         self.on = False
         self.let = bench.hold("start_realtime_mode", self._start)
-        bench.answer("end_realtime_mode", self._end)
+        bench.answer("end_realtime_mode", self.end)
 
     def _start(self, *_: object) -> int:
         self.on = True
         return 4
 
-    def _end(self) -> int:
+    def end(self) -> int:
         self.on = False
         return 4
 
@@ -70,6 +73,63 @@ async def test_a_mode_that_is_entered_after_stop_now_is_ended(
         stopping.start()
         await eventually_async(lambda: not stopping.is_alive())
         mode.let.set()
+    assert not mode.on
+
+
+def stopped_now(robot: aioduco.Robot) -> Awaitable[None]:
+    return anyio.to_thread.run_sync(robot.stop_now)
+
+
+@pytest.mark.cases(3)
+@pytest.mark.parametrize("stop", [aioduco.Robot.stop, aioduco.Robot.abort, stopped_now])
+async def test_a_stop_ends_a_mode_that_is_on(
+    robot: aioduco.Robot, bench: Bench, stop: Callable[[aioduco.Robot], Awaitable[None]]
+) -> None:
+    mode = Mode(bench)
+    mode.let.set()
+    await robot.realtime.start_realtime_mode(RealtimeMode.JOINT_POSITION)
+    await stop(robot)
+    if stop is stopped_now:  # it cannot wait for that
+        await eventually_async(lambda: not mode.on)
+    assert not mode.on
+
+
+async def test_a_mode_is_ended_although_the_stop_is_cancelled_meanwhile(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    """The call that ends it has its connection reset then, and may never arrive."""
+    mode = Mode(bench)
+    mode.let.set()
+    await robot.realtime.start_realtime_mode(RealtimeMode.JOINT_POSITION)
+    let = bench.hold("end_realtime_mode")  # this one does not end it
+    stopping = asyncio.create_task(robot.stop())
+    await eventually_async(lambda: bench.received("end_realtime_mode"))
+    bench.answer("end_realtime_mode", mode.end)
+    stopping.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await stopping
+    let.set()
+    assert not mode.on
+
+
+async def test_a_mode_that_waits_for_a_stop_is_ended_by_the_next_one(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    """The stop that it waits for ends the modes that were on."""
+    mode = Mode(bench)
+    mode.let.set()
+    bench.answer("teach_mode", 4)
+    bench.answer("end_teach_mode", 4)
+    await robot.motion.teach_mode()
+    let = bench.hold("stop", bench._stop)
+    async with anyio.create_task_group() as tg:
+        tg.start_soon(robot.stop)
+        await eventually_async(lambda: bench.received("stop"))
+        tg.start_soon(robot.realtime.start_realtime_mode, RealtimeMode.JOINT_POSITION)
+        await anyio.wait_all_tasks_blocked()
+        let.set()
+    assert mode.on
+    await robot.stop()
     assert not mode.on
 
 
