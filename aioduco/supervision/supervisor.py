@@ -476,6 +476,8 @@ class Supervisor:
         # In a forked child the connections are the parent's.
         if not self._opened or self._stopped_at_exit or os.getpid() != self._process:
             return
+        # A thread of the program may run its event loop until the process has ended.
+        self.gate.close("the program ends")
         if not self.stop_coordinator.moving:
             return
         try:

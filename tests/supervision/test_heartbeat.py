@@ -236,6 +236,48 @@ KEPT = """
 """
 
 
+ON_A_THREAD = """
+    import asyncio
+    import atexit
+    import threading
+    import aioduco
+
+    moves, told = threading.Event(), threading.Event()
+
+    async def main():
+        robot = aioduco.connect({host!r}, {port})
+        await robot.open()
+        motion = robot.motion.movej2([0, 0, 1.5, 0, -1.5, 0], v=1.0, a=1.0)
+        task = await motion.start()
+        moves.set()
+        await task.wait()
+        try:
+            await motion.start()
+        except aioduco.RobotStateError as exc:
+            print(exc)
+        finally:
+            told.set()
+
+    atexit.register(told.wait)
+    threading.Thread(target=asyncio.run, args=(main(),), daemon=True).start()
+    moves.wait()
+"""
+
+
+@pytest.mark.slow
+def test_a_loop_on_a_thread_moves_nothing_when_the_interpreter_has_stopped_the_arm(
+    bench: Bench,
+) -> None:
+    """It runs on until the process has ended, which a handler of the program may hold up."""
+    bench.motion_time = 30.0
+    script = textwrap.dedent(ON_A_THREAD.format(host=bench.host, port=bench.port))
+    ended = subprocess.run(
+        [sys.executable, "-c", script], check=True, capture_output=True, text=True, timeout=60
+    )
+    assert "movej2 was not sent: the program ends" in ended.stdout
+    assert bench.commands[-1] == "stop"
+
+
 @pytest.mark.slow
 def test_a_lock_of_a_thread_that_has_ended_holds_up_no_end(bench: Bench) -> None:
     """As the interpreter ends, its daemons end wherever they are."""
