@@ -59,7 +59,9 @@ class Modes:
 
     def __init__(self, channel: StopChannel) -> None:
         self._channel = channel
-        self._on: dict[str, tuple[bool, ...]] = {}
+        #: the arguments that end each, and its number among the modes that were entered
+        self._on: dict[str, tuple[tuple[bool, ...], int]] = {}
+        self._entered = 0
         #: of these, those that should be off by now
         self._overdue: set[str] = set()
         #: of these, those that nobody has tried to end yet
@@ -99,7 +101,8 @@ class Modes:
             Whether it was on before.
         """
         was_on = ending in self._on
-        self._on[ending] = args
+        self._entered += 1
+        self._on[ending] = args, self._entered
         self._overdue.discard(ending)
         self._due.discard(ending)
         return was_on
@@ -156,23 +159,18 @@ class Modes:
                 if name not in modes:
                     continue  # it was left, or entered again, meanwhile
                 self._due.discard(name)
-                args = self._on.pop(name)
+                mode, over = self._on[name], True
                 try:
-                    await self._channel.control(name, args, _LEAVE_LIMIT)
+                    await self._channel.control(name, mode[0], _LEAVE_LIMIT)
                 except BaseException as exc:
-                    if not isinstance(exc, Refused | ControllerError):
-                        self._still_on(name, args)
+                    over = isinstance(exc, Refused | ControllerError)
+                    if not over and self._on.get(name) == mode:
+                        self._overdue.add(name)
                     if not isinstance(exc, DucoError | MemoryError):
                         raise  # it was cancelled
                     _log.warning("%s after a stop failed: %s", name, str(exc) or repr(exc))
-                if name not in self._on:
-                    self._overdue.discard(name)
-
-    def _still_on(self, name: str, args: tuple[bool, ...]) -> None:
-        """Note that it is not known whether a mode was left, unless it was entered again."""
-        if name not in self._on:
-            self._on[name] = args
-            self._overdue.add(name)
+                if over and self._on.get(name) == mode:  # it was not entered again meanwhile
+                    self.over(name)
 
     async def leave_at_standstill(
         self, timeout: float, follow: Callable[[str, int, float], Awaitable[object]]

@@ -597,7 +597,7 @@ class StopCoordinator:
             await self.standstill()
 
     async def resume(self) -> bool:
-        """Resume all paused tasks.
+        """Resume all paused tasks; if this fails or is cancelled, the arm is stopped.
 
         Returns:
             Whether anything was paused, as far as that is known.
@@ -615,7 +615,11 @@ class StopCoordinator:
         )
         if (error := cancelled or call.error or refusal("resume", call.value)) is not None:
             raise error
-        await self.follower.complete("resume", call.value, _PAUSE_LIMIT, permit.stops)
+        try:
+            await self.follower.complete("resume", call.value, _PAUSE_LIMIT, permit.stops)
+        except BaseException:
+            await self._halt_and_see()
+            raise
         return paused
 
     async def _paused(self) -> bool:

@@ -6447,6 +6447,8 @@ class Robot(RobotLifecycle, ManualNames):
     def resume(self) -> bool:
         """Resume all paused tasks (恢复所有暂停的任务).
 
+        If this fails when it was sent, or is cancelled, the arm is stopped.
+
         Returns:
             Whether anything was paused, as far as the controller says it. If not, nothing changes.
 

@@ -107,8 +107,19 @@ class Mode(Program):
         robot.may("M is cancelled", first.cancel)
 
 
+class StoppedTwice(Program):
+    """A mode is entered, and the arm stopped by two tasks."""
+
+    kinds = {"M": MODE}
+
+    async def begin(self, robot: Robot) -> None:
+        robot.start("M", robot.enters("M"))
+        robot.may("the program calls robot.stop()", lambda: robot.start("stop", robot.stops()))
+        robot.may("another task does, too", lambda: robot.start("again", robot.stops()))
+
+
 class Resumed(Program):
-    """The paused motion of another program is resumed, and the robot left."""
+    """The paused motion of another program is resumed; then the robot is left, or R cancelled."""
 
     kinds = {"foreign": MOTION, "R": RESUME}
 
@@ -118,8 +129,9 @@ class Resumed(Program):
         run.controller.pause()
 
     async def begin(self, robot: Robot) -> None:
-        robot.start("R", robot.resumes("R"))
+        first = robot.start("R", robot.resumes("R"))
         robot.may("the program leaves the robot", lambda: robot.start("leave", robot.leaves()))
+        robot.may("R is cancelled", first.cancel)
 
 
 class Paused(Program):

@@ -609,14 +609,14 @@ class Robot:
         command, modes = self.run[name], self.coordinator.modes
         self.run.ask(command)
         mode = "end_realtime_mode", ()
-        modes.enter(*mode)
+        was_on = modes.enter(*mode)
         async with self._told(command, on=True):
             try:
                 await self.dispatcher.conduct(
                     WireCommand("start_realtime_mode", (name,)), self.calls, 2.0, mode
                 )
             except DucoError as exc:
-                if not isinstance(exc, OutcomeUnknown):
+                if not was_on and not isinstance(exc, OutcomeUnknown):
                     modes.over(mode[0])
                 raise
 
