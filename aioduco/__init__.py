@@ -19,6 +19,7 @@ from aioduco import errors
 from aioduco.errors import *  # noqa: F403  # all of them, as errors.__all__ lists them
 
 if TYPE_CHECKING:
+    from aioduco import events
     from aioduco._process.frozen import freeze_support
     from aioduco.api.motion.switch import SwitchPlace, TrajectorySwitch
     from aioduco.api.streams.arguments import ServoGains
@@ -58,7 +59,6 @@ if TYPE_CHECKING:
     from aioduco.streaming.joint_trajectory import JointTrajectory, Tolerances
     from aioduco.streaming.report import StreamStatistics
     from aioduco.streaming.shared.options import WorkerOptions
-    from aioduco.supervision import events
     from aioduco.supervision.bringup import RecoverReport
     from aioduco.supervision.command import HeldMotion, MotionCommand
     from aioduco.supervision.heartbeat import HeartbeatState
@@ -199,7 +199,7 @@ _HOME = {name: module for module, names in _HOMES.items() for name in names}
 def __getattr__(name: str) -> Any:
     """Load a name on first use: `import aioduco` alone loads neither numpy nor anyio."""
     if name == "events":
-        return importlib.import_module("aioduco.supervision.events")
+        return importlib.import_module("aioduco.events")
     if name not in _HOME:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     value = getattr(importlib.import_module(_HOME[name]), name)

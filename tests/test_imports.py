@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import importlib
 import sys
 from functools import cache
 from pathlib import Path
@@ -102,11 +103,24 @@ def test_a_name_is_what_type_checkers_were_told(name: str) -> None:
     if name == "__version__":
         assert name not in told
     elif name == "events":
-        assert told[name] == "aioduco.supervision"
-        assert aioduco.events.__name__ == f"{told[name]}.events"
+        assert told[name] == "aioduco"
+        assert aioduco.events is importlib.import_module("aioduco.events")
     else:
         assert aioduco._HOME[name] == told[name]
         assert getattr(aioduco, name) is vars(sys.modules[told[name]])[name]
+
+
+@pytest.mark.parametrize(
+    "way",
+    [
+        "from aioduco.events import CollisionDetected",
+        "import aioduco.events; CollisionDetected = aioduco.events.CollisionDetected",
+        "from aioduco import events; CollisionDetected = events.CollisionDetected",
+        "import aioduco; CollisionDetected = aioduco.events.CollisionDetected",
+    ],
+)
+def test_classes_of_events_are_imported_in_every_usual_way(way: str) -> None:
+    assert run(f"{way}\nprint(CollisionDetected.__name__)") == "CollisionDetected"
 
 
 def test_what_is_loaded_when_it_is_used_is_public_and_told_to_type_checkers() -> None:
