@@ -167,7 +167,8 @@ class Duco(Robot):
             first one, from where the arm is.
 
         Raises:
-            ParameterError: an angle is missing or no number; nothing was sent.
+            ParameterError: an angle is missing, no number, or beyond what a joint can turn, as
+                angles in degrees are; nothing was sent.
             StreamError: the stream has ended, such as by a stop; says why.
         """
         self._connected()
@@ -177,8 +178,10 @@ class Duco(Robot):
             raise ParameterError(
                 "action", action, f"a number for each of {', '.join(KEYS)}"
             ) from exc
-        if not all(map(math.isfinite, wanted)):
-            raise ParameterError("action", wanted, "finite angles [rad]")
+        most = _MOST + self.config.max_step  # a policy may be a little beyond the end of a joint
+        for key, angle in zip(KEYS, wanted, strict=True):
+            if not abs(angle) <= most:
+                raise ParameterError(key, angle, "from -2π to 2π rad (radians, not degrees)")
         sent = self._cut(wanted)
         try:
             self._streaming_on().send(sent)

@@ -1,0 +1,81 @@
+"""The robot for LeRobot, without LeRobot: what of it the robot needs is played here."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from aioduco.errors import ParameterError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from aioduco.sim import Simulator
+
+PACKAGE = Path(__file__).resolve().parents[2] / "integrations/lerobot_robot_duco/lerobot_robot_duco"
+
+
+@pytest.fixture
+def duco(monkeypatch: pytest.MonkeyPatch, duco_simulator: Simulator) -> Iterator[Any]:
+    """The robot, connected to a simulated arm."""
+    played: dict[str, dict[str, object]] = {
+        "lerobot.cameras.utils": {"make_cameras_from_configs": dict},
+        "lerobot.robots": {"Robot": type("Robot", (), {"__init__": lambda self, config: None})},
+        "lerobot.utils.errors": {
+            "DeviceAlreadyConnectedError": ConnectionError,
+            "DeviceNotConnectedError": ConnectionError,
+        },
+        "lerobot_robot_duco": {"__path__": [str(PACKAGE)]},
+        "lerobot_robot_duco.config_duco": {"DucoConfig": SimpleNamespace},
+    }
+    for name, holds in played.items():
+        module: Any = ModuleType(name)
+        vars(module).update(holds)
+        monkeypatch.setitem(sys.modules, name, module)
+    monkeypatch.delitem(sys.modules, "lerobot_robot_duco.duco", raising=False)
+    module = importlib.import_module("lerobot_robot_duco.duco")
+    config = SimpleNamespace(
+        host=duco_simulator.host,
+        port=duco_simulator.port,
+        cameras={},
+        record="",
+        v=1.0,
+        a=5.0,
+        jerk=50.0,
+        rate=500.0,
+        hold=0.5,
+        max_step=0.05,
+        state_rate=100.0,
+        heartbeat=20.0,
+        timeout=20.0,
+        max_age=20.0,
+        bring_up=True,
+    )
+    robot = module.Duco(config)
+    robot.connect()
+    yield robot
+    robot.disconnect()
+    monkeypatch.delitem(sys.modules, "lerobot_robot_duco.duco")
+
+
+def test_an_action_in_degrees_is_refused_and_moves_nothing(duco: Any) -> None:
+    seen = duco.get_observation()
+    for key, angle in (
+        ("joint_1.pos", 30.0),
+        ("joint_5.pos", -90.0),
+        ("joint_2.pos", float("nan")),
+    ):
+        with pytest.raises(ParameterError, match=f"{key} is {angle}, .*not degrees.*nothing"):
+            duco.send_action({**seen, key: angle})
+    assert duco.statistics() is None  # no stream was opened
+
+
+def test_an_action_a_little_beyond_a_joint_s_end_is_cut(duco: Any) -> None:
+    seen = duco.get_observation()
+    sent = duco.send_action({**seen, "joint_1.pos": 6.3})
+    assert sent["joint_1.pos"] == pytest.approx(seen["joint_1.pos"] + 0.05)
