@@ -666,7 +666,8 @@ class BlockingMotions(Section):
             velocities: velocities of the six joints (joints_list), -1.25·π to 1.25·π [rad/s].
                 Shape (6,).
             a: acceleration of the leading joint, from 0.01·π/180 [rad/s²].
-            time: seconds after which the controller stops the arm, from 0.001.
+            time: seconds after which the controller stops the arm, from 0.001, up to what an arm
+                can move at that velocity.
 
         Returns:
             The state of its task at its end.
@@ -695,7 +696,8 @@ class BlockingMotions(Section):
             twist: velocity of the tool (pose_list): along x, y, z of `frame`, -5 to 5 [m/s], and
                 about them, -1.25·π to 1.25·π [rad/s]. Shape (6,).
             a: acceleration of the tool, from 0.00001 [m/s²].
-            time: seconds after which the controller stops the arm, from 0.001.
+            time: seconds after which the controller stops the arm, from 0.001, up to what an arm
+                can move at that velocity.
             frame: frame of the velocity: "tool", "base" (z points up if the arm stands on a floor)
                 or "wobj", a work object.
             wobj: name of the work object; empty for the one in use.

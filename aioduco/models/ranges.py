@@ -136,6 +136,11 @@ JOG_SPEED = jog.JOG_SPEED
 FRAME_TYPE = jog.FRAME_TYPE
 #: speedj and speedl: None to run until speed_stop (-1 on the wire)
 RUN_TIME = OrForever(Duration(0.001, source="1.3.5"))
+#: time without a call after which the controller ends such a motion of a stream; a longer one, such
+#: as milliseconds, would stop nothing
+DEAD_MAN = Number(0.0, 10.0, "s", open_low=True, source="this package")
+#: from one end of a joint to the other [rad], and across what the longest arm reaches [m]
+WHOLE_TURN, WHOLE_WAY = 4 * pi, 2 * LONGEST_ARM
 
 #: spline, spline_op: the manual prints only the 50; the curve begins at the arm's position
 SPLINE_POINTS = Points(POSE, 1, 50, source="1.3.5")
@@ -385,6 +390,32 @@ def _callers_level() -> int:
     while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith("aioduco."):
         frame, level = frame.f_back, level + 1
     return level
+
+
+def run_time(name: str, value: Real | None, *ways: tuple[float, float]) -> int:
+    """Check the time of a motion at a velocity [s]; return milliseconds, -1 for None (1.3.5).
+
+    The time is refused in which the arm would move further than an arm can: so are milliseconds,
+    which the vendor's class takes.
+
+    Args:
+        name: the name of the parameter.
+        value: the time; None for no end.
+        ways: a speed, and the longest way at it [rad/s, rad; or m/s, m].
+
+    Raises:
+        ParameterError: it is out of range, or too long for the speeds.
+    """
+    milliseconds = RUN_TIME(name, value)
+    longest = min((way / speed for speed, way in ways if speed > 0.0), default=inf)
+    if milliseconds > 1000.0 * longest:
+        raise ParameterError(
+            name,
+            value,
+            f"at most {longest:.3g} s: no arm can move for longer at this velocity (seconds, not "
+            "milliseconds), or None for no end",
+        )
+    return milliseconds
 
 
 def weave_dwells(name: str, value: VectorLike) -> list[int]:

@@ -995,10 +995,10 @@ class Motion(_Section):
             velocities: velocities of the six joints (joints_list), -1.25·π to 1.25·π [rad/s].
                 Shape (6,).
             a: acceleration of the leading joint, from 0.01·π/180 [rad/s²].
-            time: seconds after which the controller stops the arm, from 0.001; None: the motion
-                runs until the block is left or `speed_stop` is called. Then only the heartbeat
-                stops the arm if the program hangs. None is the manual's default, -1; a second is
-                this package's choice.
+            time: seconds after which the controller stops the arm, from 0.001, up to what an arm
+                can move at that velocity; None: the motion runs until the block is left or
+                `speed_stop` is called. Then only the heartbeat stops the arm if the program hangs.
+                None is the manual's default, -1; a second is this package's choice.
 
         Returns:
             How it ended: finished or blended. It ends when the arm stands.
@@ -1034,10 +1034,10 @@ class Motion(_Section):
             twist: velocity of the tool (pose_list): along x, y, z of `frame`, -5 to 5 [m/s], and
                 about them, -1.25·π to 1.25·π [rad/s]. Shape (6,).
             a: acceleration of the tool, from 0.00001 [m/s²].
-            time: seconds after which the controller stops the arm, from 0.001; None: the motion
-                runs until the block is left or `speed_stop` is called. Then only the heartbeat
-                stops the arm if the program hangs. None is the manual's default, -1; a second is
-                this package's choice.
+            time: seconds after which the controller stops the arm, from 0.001, up to what an arm
+                can move at that velocity; None: the motion runs until the block is left or
+                `speed_stop` is called. Then only the heartbeat stops the arm if the program hangs.
+                None is the manual's default, -1; a second is this package's choice.
             frame: frame of the velocity: "tool", "base" (z points up if the arm stands on a floor)
                 or "wobj", a work object.
             wobj: name of the work object; empty for the one in use.
@@ -2045,7 +2045,8 @@ class BlockingMotions(_Section):
             velocities: velocities of the six joints (joints_list), -1.25·π to 1.25·π [rad/s].
                 Shape (6,).
             a: acceleration of the leading joint, from 0.01·π/180 [rad/s²].
-            time: seconds after which the controller stops the arm, from 0.001.
+            time: seconds after which the controller stops the arm, from 0.001, up to what an arm
+                can move at that velocity.
 
         Returns:
             The state of its task at its end.
@@ -2074,7 +2075,8 @@ class BlockingMotions(_Section):
             twist: velocity of the tool (pose_list): along x, y, z of `frame`, -5 to 5 [m/s], and
                 about them, -1.25·π to 1.25·π [rad/s]. Shape (6,).
             a: acceleration of the tool, from 0.00001 [m/s²].
-            time: seconds after which the controller stops the arm, from 0.001.
+            time: seconds after which the controller stops the arm, from 0.001, up to what an arm
+                can move at that velocity.
             frame: frame of the velocity: "tool", "base" (z points up if the arm stands on a floor)
                 or "wobj", a work object.
             wobj: name of the work object; empty for the one in use.
@@ -2897,7 +2899,7 @@ class Speed(_Section):
         Args:
             a: largest acceleration of each joint, from 0.000175 [rad/s²].
             v: largest speed of each joint, 0.000175 to 3.93 [rad/s]; higher speeds are limited.
-            dead_man: time without a call after which the controller ends the motion [s].
+            dead_man: time without a call after which the controller ends the motion, up to 10 [s].
             rate: calls per second [Hz].
             latest: whether only the newest speed counts, and `send` never waits.
             hold: time without a speed from the program after which the stream ends [s].
@@ -2946,7 +2948,7 @@ class Speed(_Section):
             frame: frame whose axes the speed refers to: "tool", "base" (z is up if the arm stands
                 on a floor) or "wobj", a work object.
             wobj: name of the work object; empty: the one in use.
-            dead_man: time without a call after which the controller ends the motion [s].
+            dead_man: time without a call after which the controller ends the motion, up to 10 [s].
             rate: calls per second [Hz].
             latest: whether only the newest speed counts, and `send` never waits.
             hold: time without a speed from the program after which the stream ends [s].

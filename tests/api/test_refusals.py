@@ -15,6 +15,7 @@ from hypothesis.strategies import SearchStrategy
 import aioduco
 from aioduco import Jog, JogDirections, Joints, Op, ParameterError, Pose
 from aioduco._wire import idl
+from aioduco.models import ranges
 from api.cases import Case, cases, refusal
 from api.desk import Desk
 from api.limits import NEVER, NOT_FINITE, edges, rules_of, wrong
@@ -43,6 +44,8 @@ TOGETHER: dict[tuple[str, str], dict[str, Any]] = {
     ("fc_config", "damp"): {"direction": [False] * 6},
     ("fc_config", "direction"): {"damp": [1000.0] * 6},
     ("speedl", "wobj"): {"frame": "wobj"},
+    ("speedj", "time"): {"velocities": [0.0] * 6},
+    ("speedl", "time"): {"twist": [0.0] * 6},
     ("servo_tcp", "wobj"): {"frame": "wobj"},
 }
 #: lists whose numbers may be 0, but not all of them
@@ -176,3 +179,29 @@ async def test_the_controller_sees_nothing(robot: aioduco.Robot, desk: Desk) -> 
 
 #: what an open robot asks for by itself
 SUPERVISION = {"rpc_heartbeat", "get_robot_state", "get_robot_version"}
+
+
+@pytest.mark.parametrize(
+    ("make", "most"),
+    [
+        (lambda motion, t: motion.speedl([0, 0, -0.02, 0, 0, 0], a=0.5, time=t), 251.0),
+        (lambda motion, t: motion.speedl([0, 0, 0, 0, 0.1, 0], a=0.5, time=t), 40 * math.pi),
+        (lambda motion, t: motion.speedl([0.01, 0, 0, 0.1, 0, 0], a=0.5, time=t), 40 * math.pi),
+        (lambda motion, t: motion.speedj([0, 0.1, 0, -0.2, 0, 0], a=1.0, time=t), 20 * math.pi),
+    ],
+)
+def test_a_time_in_milliseconds_is_refused_for_what_the_arm_would_move(
+    make: Any, most: float
+) -> None:
+    motion = aioduco.connect("127.0.0.1").motion
+    for time in (most + 0.001, 1000):
+        with pytest.raises(ParameterError, match=f"at most {most:.3g} s: .*not milliseconds"):
+            make(motion, time)
+
+
+def test_a_time_is_as_long_as_the_arm_could_move_at_its_speeds() -> None:
+    assert ranges.run_time("time", 2.0, (3.0, 6.0), (0.0, 1.0)) == 2000
+    assert ranges.run_time("time", 1000, (0.0, 1.0)) == 1_000_000  # it stands
+    assert ranges.run_time("time", None, (3.0, 6.0)) == -1
+    with pytest.raises(ParameterError, match="at most 2 s"):
+        ranges.run_time("time", 2.001, (3.0, 6.0), (1.0, 6.0))

@@ -47,6 +47,6 @@ async def test_a_tool_speed_without_a_hand_on_it_ends_at_zero(controller: Contro
 def test_a_dead_man_time_is_no_less_than_two_calls_and_not_for_ever() -> None:
     speed = Speed(Controller.nowhere())
     for make in (speed.joints, speed.linear):
-        for wrong in (0.03, None):
+        for wrong in (0.03, None, 200):  # milliseconds
             with pytest.raises(ParameterError, match="dead_man"):
                 make(a=1.0, rate=50.0, dead_man=wrong)  # type: ignore[arg-type]  # that is the test

@@ -57,10 +57,10 @@ class Velocity(Section):
             velocities: velocities of the six joints (joints_list), -1.25·π to 1.25·π [rad/s].
                 Shape (6,).
             a: acceleration of the leading joint, from 0.01·π/180 [rad/s²].
-            time: seconds after which the controller stops the arm, from 0.001; None: the motion
-                runs until the block is left or `speed_stop` is called. Then only the heartbeat
-                stops the arm if the program hangs. None is the manual's default, -1; a second is
-                this package's choice.
+            time: seconds after which the controller stops the arm, from 0.001, up to what an arm
+                can move at that velocity; None: the motion runs until the block is left or
+                `speed_stop` is called. Then only the heartbeat stops the arm if the program hangs.
+                None is the manual's default, -1; a second is this package's choice.
 
         Returns:
             The motion, not sent yet. It ends when the arm stands.
@@ -72,7 +72,8 @@ class Velocity(Section):
         """
         velocities_ = ranges.JOINT_VELOCITIES("velocities", velocities)
         a_ = ranges.JOINT_ACCELERATION("a", a)
-        time_ = ranges.RUN_TIME("time", time)
+        fastest = max(map(abs, velocities_))
+        time_ = ranges.run_time("time", time, (fastest, ranges.WHOLE_TURN))
         return self._held(calls.speedj(velocities_, a_, time_, False), _ENDING, time=time)
 
     def speedl(
@@ -97,10 +98,10 @@ class Velocity(Section):
             twist: velocity of the tool (pose_list): along x, y, z of `frame`, -5 to 5 [m/s], and
                 about them, -1.25·π to 1.25·π [rad/s]. Shape (6,).
             a: acceleration of the tool, from 0.00001 [m/s²].
-            time: seconds after which the controller stops the arm, from 0.001; None: the motion
-                runs until the block is left or `speed_stop` is called. Then only the heartbeat
-                stops the arm if the program hangs. None is the manual's default, -1; a second is
-                this package's choice.
+            time: seconds after which the controller stops the arm, from 0.001, up to what an arm
+                can move at that velocity; None: the motion runs until the block is left or
+                `speed_stop` is called. Then only the heartbeat stops the arm if the program hangs.
+                None is the manual's default, -1; a second is this package's choice.
             frame: frame of the velocity: "tool", "base" (z points up if the arm stands on a floor)
                 or "wobj", a work object.
             wobj: name of the work object; empty for the one in use.
@@ -118,7 +119,9 @@ class Velocity(Section):
         """
         twist_ = ranges.TWIST("twist", twist)
         a_ = ranges.FINE_ACCELERATION("a", a)
-        time_ = ranges.RUN_TIME("time", time)
+        along, about = math.hypot(*twist_[:3]), math.hypot(*twist_[3:])
+        ways = ((along, ranges.WHOLE_WAY), (about, ranges.WHOLE_TURN))
+        time_ = ranges.run_time("time", time, *ways)
         turning = into_tool(frame, wobj)
         aim = None
         if turning is not None:

@@ -52,7 +52,7 @@ class Speed(StreamMaker):
         Args:
             a: largest acceleration of each joint, from 0.000175 [rad/s²].
             v: largest speed of each joint, 0.000175 to 3.93 [rad/s]; higher speeds are limited.
-            dead_man: time without a call after which the controller ends the motion [s].
+            dead_man: time without a call after which the controller ends the motion, up to 10 [s].
             rate: calls per second [Hz].
             latest: whether only the newest speed counts, and `send` never waits.
             hold: time without a speed from the program after which the stream ends [s].
@@ -108,7 +108,7 @@ class Speed(StreamMaker):
             frame: frame whose axes the speed refers to: "tool", "base" (z is up if the arm stands
                 on a floor) or "wobj", a work object.
             wobj: name of the work object; empty: the one in use.
-            dead_man: time without a call after which the controller ends the motion [s].
+            dead_man: time without a call after which the controller ends the motion, up to 10 [s].
             rate: calls per second [Hz].
             latest: whether only the newest speed counts, and `send` never waits.
             hold: time without a speed from the program after which the stream ends [s].
@@ -138,7 +138,7 @@ class Speed(StreamMaker):
 
 
 def _calls(function: str, a: float, dead_man: float, feeding: Feeding) -> Drive:
-    seconds = ranges.TIMEOUT("dead_man", dead_man)
+    seconds = ranges.DEAD_MAN("dead_man", dead_man)
     if seconds < 2 / feeding.rate:
         raise ParameterError("dead_man", dead_man, f"two calls, {2 / feeding.rate:g} s, or more")
     milliseconds = ranges.RUN_TIME("dead_man", seconds)
