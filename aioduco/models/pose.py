@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from numbers import Real
 from typing import TYPE_CHECKING, Any, Literal, Self, TypeAlias, Union, get_args, overload
 
-from aioduco.errors import ParameterError
+from aioduco.errors import Described, ParameterError
 from aioduco.models.numpy_on_use import is_array, is_scalar, np
 from aioduco.models.rotation import (
     matrix_from_quaternion,
@@ -37,6 +37,8 @@ QuaternionOrder: TypeAlias = Literal["wxyz", "xyzw"]
 #: decimals each element is off by up to 5e-7, and the product by up to 2·√3 times as much
 _ORTHONORMAL = 2e-6
 _EXACT = 1e-12  # the same, by computing alone
+#: what counts as a number: also those of numpy, and fractions
+_REAL: Any = Real
 
 
 class _Six(Sequence[float]):
@@ -58,7 +60,7 @@ class _Six(Sequence[float]):
         names: tuple[str, ...] = type(self).__slots__
         for name, given in zip(names, values, strict=True):
             value = given.item() if is_scalar(given) else given
-            if isinstance(value, bool) or not isinstance(value, Real):
+            if isinstance(value, bool) or not isinstance(value, _REAL):
                 raise ParameterError(name, given, f"a number, as one of {self._expected}")
             try:
                 number = float(value)
@@ -83,7 +85,7 @@ class _Six(Sequence[float]):
         name = cls.__name__.lower()
         if is_array(values):
             if values.shape != (6,) or values.dtype.kind not in "fiu":
-                found = f"an array of shape {values.shape} and type {values.dtype}"
+                found = Described(f"an array of shape {values.shape} and type {values.dtype}")
                 raise ParameterError(name, found, cls._expected)
             values = values.tolist()
         elif isinstance(values, _Six) or not isinstance(values, Sequence):
@@ -281,7 +283,7 @@ class Pose(_Six):
         """Return this pose shifted along the axes of the frame in which it is given [m]."""
         return Pose(self.x + x, self.y + y, self.z + z, self.rx, self.ry, self.rz)
 
-    def interpolate(self, other: Pose, t: float) -> Pose:
+    def interpolate(self, other: PoseLike, t: float) -> Pose:
         """Return a pose between this one and another.
 
         Args:
@@ -290,18 +292,24 @@ class Pose(_Six):
                 constant rate the shorter way, as in a linear move.
 
         Raises:
-            ParameterError: t is outside 0 to 1.
+            ParameterError: the other one is no pose, or t is outside 0 to 1.
         """
-        if not 0.0 <= t <= 1.0:
-            raise ParameterError("t", t, "a number from 0 to 1")
+        other, t = Pose.of(other), _fraction(t)
         position = (1.0 - t) * self.position + t * other.position
         return Pose.from_rotation(position, slerp(self.rotation, other.rotation, np.array(t)))
 
-    def distance(self, other: Pose) -> tuple[float, float]:
-        """Return the distance of the positions [m] and the angle between the orientations [rad]."""
+    def distance(self, other: PoseLike) -> tuple[float, float]:
+        """Return the distance of the positions [m] and the angle between the orientations [rad].
+
+        Raises:
+            ParameterError: the other one is no pose.
+        """
+        other = Pose.of(other)
         return math.dist(self[:3], other[:3]), turn_between(self[3:], other[3:])
 
-    def almost_equal(self, other: Pose, *, position: float = 1e-6, rotation: float = 1e-6) -> bool:
+    def almost_equal(
+        self, other: PoseLike, *, position: float = 1e-6, rotation: float = 1e-6
+    ) -> bool:
         """Whether two poses are equal within tolerances.
 
         Orientations are compared, not angles: rx = π and rx = -π are equal.
@@ -372,14 +380,20 @@ class Joints(_Six):
 
     def interpolate(self, other: JointsLike, t: float) -> Joints:
         """Return the vector at fraction t, 0 to 1, of the straight joint-space line to `other`."""
-        if not 0.0 <= t <= 1.0:
-            raise ParameterError("t", t, "a number from 0 to 1")
+        t = _fraction(t)
         return Joints(*((1 - t) * a + t * b for a, b in zip(self, Joints.of(other), strict=True)))
 
 
 # a union with a name in it, since a program may write `JointsLike | None`
 PoseLike: TypeAlias = Union[Pose, Sequence[float], "NDArray[Any]"]
 JointsLike: TypeAlias = Union[Joints, Sequence[float], "NDArray[Any]"]
+
+
+def _fraction(t: float) -> float:
+    given: Any = t.item() if is_scalar(t) else t
+    if isinstance(given, bool) or not isinstance(given, _REAL) or not 0.0 <= given <= 1.0:
+        raise ParameterError("t", t, "a number from 0 to 1")
+    return float(given)
 
 
 def _order(order: QuaternionOrder) -> QuaternionOrder:

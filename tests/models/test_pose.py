@@ -211,6 +211,37 @@ def test_a_pose_is_not_taken_for_joints_nor_joints_for_a_pose() -> None:
         _ = Pose(0, 0, 0, 0, 0, 0) @ np.eye(4)
 
 
+@pytest.mark.parametrize(
+    "with_another",
+    [
+        lambda pose, other: pose.distance(other),
+        lambda pose, other: pose.almost_equal(other),
+        lambda pose, other: pose.interpolate(other, 0.5),
+    ],
+)
+def test_a_pose_goes_with_six_numbers_but_not_with_joints(with_another: Any) -> None:
+    pose, other = Pose(1.0, 2.0, 3.0, 0.1, 0.2, 0.3), Pose(1.0, 2.0, 3.5, 0.1, 0.2, 0.3)
+    for same in (list(other), other.array):
+        assert with_another(pose, same) == with_another(pose, other)
+    for wrong in (Joints(*other), "123456", [1.0]):
+        with pytest.raises(ParameterError, match="must be"):
+            with_another(pose, wrong)
+
+
+@pytest.mark.parametrize("t", [-0.1, 50, math.nan, "0.5", None, True])
+def test_a_fraction_between_two_is_a_number_from_0_to_1(t: Any) -> None:
+    pose, joints = Pose(1.0, 2.0, 3.0, 0.1, 0.2, 0.3), Joints(1.0, 2.0, 3.0, 0.1, 0.2, 0.3)
+    for one in (pose, joints):
+        with pytest.raises(ParameterError, match=r"t is .*, but must be a number from 0 to 1"):
+            one.interpolate(one, t)
+        assert one.interpolate(one, np.float32(0.5)) == one.interpolate(one, 0.5)  # type: ignore[arg-type]
+
+
+def test_an_array_is_described_without_quotation_marks() -> None:
+    with pytest.raises(ParameterError, match=r"pose is an array of shape \(4, 4\) and type"):
+        Pose.of(np.eye(4))
+
+
 def test_the_error_names_the_parameter_the_value_and_the_units() -> None:
     with pytest.raises(ParameterError, match=r"ry is nan.*x, y, z \[m\], rx, ry, rz \[rad\]"):
         Pose(0, 0, 0, 0, math.nan, 0)
