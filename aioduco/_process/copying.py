@@ -28,7 +28,7 @@ class Uncopied:
 
     def __reduce_ex__(self, protocol: object) -> NoReturn:
         raise NotCopyable(
-            f"a {type(self).__name__} cannot be copied or pickled: what it holds belongs to this "
+            f"{type(self).__name__} cannot be copied or pickled: what it holds belongs to this "
             f"object in this process. Use this one, or {self._instead}. Nothing was done"
         )
 

@@ -22,8 +22,8 @@ __all__ = [
 ]
 
 HOST_RULE: Final = (
-    "a name or an address, without blanks and control characters, each part 1 to 63 characters "
-    "long, 253 in all"
+    "a name or an address, without http://, slashes, blanks and control characters, each part 1 to "
+    "63 characters long, 253 in all"
 )
 #: port of a controller
 PORT: Final = 7003
@@ -71,7 +71,9 @@ class RobotAddress:
 
 def is_host(host: object) -> bool:
     """Whether it can be a name or an address. The system reads only a part of some other texts."""
-    if not isinstance(host, str) or not host or not host.isprintable() or " " in host:
+    if not isinstance(host, str) or not host or not host.isprintable():
+        return False
+    if any(each in host for each in " []/@"):
         return False
     try:
         return len(host.encode("idna")) <= 253
@@ -162,7 +164,7 @@ def parse_address(
         port = rest[1:] if rest else None
     elif text.count(":") == 1:
         host, _, port = text.partition(":")
-    if not is_host(host) or any(each in host for each in "[]/@") or not _is_right(host):
+    if not is_host(host) or not _is_right(host):
         raise ParameterError(name, text, expected)
     if port is None:
         return host, None

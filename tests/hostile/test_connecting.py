@@ -223,6 +223,8 @@ NO_HOSTS = [
     "127.0.0.1\t",
     "my robot",
     "robot..cell",
+    "http://robot",
+    "robot/",
     ".robot",
     "r" * 64,
     ".".join(["robot"] * 43),
@@ -238,7 +240,7 @@ def test_what_can_be_no_host_is_refused_before_anything_is_tried(
     host: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(socket, "getaddrinfo", denied(errno.EIO))
-    with pytest.raises(ParameterError, match=r"host is .*without blanks"):
+    with pytest.raises(ParameterError, match=r"host is .*without http://, slashes, blanks"):
         aioduco.connect(host)
     with pytest.raises(ConnectError, match="the host must be"):
         Connection(host, 7003).open()

@@ -101,7 +101,7 @@ def test_what_is_held_says_why_it_is_not_copied() -> None:
     kind: Any
     for kind in kinds:
         for way in WAYS.values():
-            with pytest.raises(NotCopyable, match=f"a {kind.__name__} cannot be copied or pickled"):
+            with pytest.raises(NotCopyable, match=f"^{kind.__name__} cannot be copied or pickled"):
                 way(kind.__new__(kind))
 
 

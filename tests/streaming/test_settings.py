@@ -16,6 +16,11 @@ from aioduco.streaming.shared.options import Feeding, WorkerOptions
 from .conftest import HERE, Controller
 
 
+def test_a_rate_that_upsampling_needs_names_the_other_way() -> None:
+    with pytest.raises(ParameterError, match=r"source_rate is None, .*upsample='cubic'.*latest"):
+        Servo(Controller.nowhere()).joints(v=1.0, a=5.0, upsample="cubic")
+
+
 @pytest.mark.parametrize(
     ("changed", "name"),
     [

@@ -153,7 +153,10 @@ class Feeding:
             )
         if self.upsample != "none" and not self.latest and self.source_rate is None:
             raise ParameterError(
-                "source_rate", None, "given when every target counts and is up-sampled"
+                "source_rate",
+                None,
+                f"given (targets per second) with upsample={self.upsample!r}; or with latest=True, "
+                "only the newest target counts, and its rate is measured",
             )
         stored(self, blend=Number(0.0, 10.0, "s", source=_SOURCE))
         if Flag(source=_SOURCE)("chunks", self.chunks):
