@@ -165,7 +165,7 @@ class ParameterError(DucoError, ValueError):
 
 
 class MotionCarriedOut(DucoError, TypeError):
-    """An argument is the outcome of a motion, not a motion: **the arm has already moved**.
+    """The outcome of a motion was given or used as a motion: **the arm has already moved**.
 
     The motion was carried out before this call. Nothing that was given to this call was sent.
 

@@ -8,8 +8,9 @@ value.
 from __future__ import annotations
 
 from enum import Enum
-from typing import Self
+from typing import TYPE_CHECKING, NoReturn, Self
 
+from aioduco.errors import MotionCarriedOut
 from aioduco.models.named_int import NamedInt
 
 __all__ = [
@@ -130,6 +131,10 @@ class TaskState(_WireEnum):
         return TaskState.STOPPED <= self <= TaskState.PARAMETER_MISMATCH
 
 
+#: what a program asks of an outcome if it takes it for the motion, or for its task
+_OF_MOTIONS = frozenset({"start", "prepare", "states", "wait", "cancel", "pause", "resume"})
+
+
 class Outcome(Enum):
     """How a task ended."""
 
@@ -154,3 +159,23 @@ class Outcome(Enum):
     def success(self) -> bool:
         """Whether the arm completed the task."""
         return self in {Outcome.FINISHED, Outcome.BLENDED}
+
+    if not TYPE_CHECKING:  # type checkers report these uses by themselves
+
+        def __getattr__(self, name: str) -> NoReturn:
+            told = f": {self._carried_out()}" if name in _OF_MOTIONS else ""
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}{told}")
+
+        def __enter__(self) -> NoReturn:
+            raise self._carried_out()
+
+        def __exit__(self, *_: object) -> None:
+            """Nothing: its block is never entered."""
+
+        def _carried_out(self) -> MotionCarriedOut:
+            return MotionCarriedOut(
+                "this",
+                self,
+                "To go on beside a motion, write robot.motion.movel.start(…) in aioduco.sync, and "
+                "await robot.motion.movel(…).start() in a program that awaits",
+            )

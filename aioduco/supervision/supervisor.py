@@ -296,7 +296,8 @@ class Supervisor:
     def _unusable(self, name: str) -> RobotStateError:
         return RobotStateError(
             f"{name} was not sent: the robot is {self.state}; "
-            "use it inside `async with aioduco.connect(...) as robot`"
+            "use it inside its block, `async with aioduco.connect(...) as robot` or "
+            "`with aioduco.sync.connect(...) as robot`"
         )
 
     def observe(self, calls: Trace, tasks: Callable[[Task], object]) -> Callable[[], None]:

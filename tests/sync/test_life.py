@@ -40,6 +40,11 @@ def test_nobody_there(desk: Desk) -> None:
     assert threads() == []
 
 
+def test_a_robot_that_was_never_opened_names_its_own_block() -> None:
+    with pytest.raises(RobotStateError, match=r"or `with aioduco\.sync\.connect"):
+        aioduco.sync.connect("nowhere").stop_now()
+
+
 FORKING = """
 import os, sys
 import aioduco, aioduco.sync

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import inspect
+import pickle
 from typing import Any
 
 import pytest
@@ -10,7 +12,15 @@ from api.desk import Desk
 
 import aioduco
 import aioduco.sync
-from aioduco import Joints, Outcome, ParameterError, TaskFailed, TaskState, TaskStopped
+from aioduco import (
+    Joints,
+    MotionCarriedOut,
+    Outcome,
+    ParameterError,
+    TaskFailed,
+    TaskState,
+    TaskStopped,
+)
 from aioduco.sync import MotionFunction
 from aioduco.testing import eventually
 
@@ -169,3 +179,17 @@ def test_a_path_blends_and_ends_with_its_block(robot: aioduco.sync.Robot, desk: 
 def test_a_motion_of_no_robot_says_so(robot: aioduco.sync.Robot) -> None:
     with pytest.raises(TypeError, match="movej2 is a motion of a robot"):
         type(robot.motion).movej2(HOME, v=1.0, a=1.0)
+
+
+def test_the_outcome_taken_for_the_motion_says_that_the_arm_has_moved(
+    robot: aioduco.sync.Robot,
+) -> None:
+    outcome: Any = robot.motion.movej2(HOME, v=1.0, a=1.0)
+    with pytest.raises(AttributeError, match=r"'start': .*the arm has moved.*movel\.start\("):
+        outcome.start()
+    with pytest.raises(MotionCarriedOut, match=r"the arm has moved.*movel\.start\("), outcome:
+        raise AssertionError("entered")
+    with pytest.raises(AttributeError, match=r"'Outcome' object has no attribute 'started'$"):
+        _ = outcome.started
+    assert not hasattr(outcome, "wait")
+    assert copy.deepcopy(outcome) is pickle.loads(pickle.dumps(outcome)) is Outcome.FINISHED
