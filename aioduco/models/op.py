@@ -14,6 +14,7 @@ from aioduco._wire import rpc
 from aioduco.errors import ParameterError
 from aioduco.models.pose import Joints, Pose, PoseLike
 from aioduco.models.rules import Flag, Integer, JointsRule, Number, PoseRule, Text
+from aioduco.models.rules.scalars import LONGEST_ARM
 
 if TYPE_CHECKING:
     from aioduco.models.rules import Real, Whole
@@ -37,9 +38,11 @@ _MAX_INDEX = 127
 
 _SOURCE = "1.3.5"
 _AFTER_TIME = Number(0.0, unit="s", source=_SOURCE)
-_AFTER_DISTANCE = Number(0.0, unit="m", source=_SOURCE)
+#: no trigger is meant farther along a path: across what the longest arm reaches [m]
+_LONGEST_PATH = 2 * LONGEST_ARM
+_AFTER_DISTANCE = Number(0.0, unit="m", plausible=_LONGEST_PATH, source=_SOURCE)
 _SIGNED_TIME = Number(unit="s", source=_SOURCE)
-_SIGNED_DISTANCE = Number(unit="m", source=_SOURCE)
+_SIGNED_DISTANCE = Number(unit="m", plausible=_LONGEST_PATH, source=_SOURCE)
 _FLAG = Flag(source=_SOURCE)
 _NAME = Text(min_bytes=1, one_line=True, source=_SOURCE)
 _POSE = PoseRule(source=_SOURCE)

@@ -205,3 +205,16 @@ def test_a_time_is_as_long_as_the_arm_could_move_at_its_speeds() -> None:
     assert ranges.run_time("time", None, (3.0, 6.0)) == -1
     with pytest.raises(ParameterError, match="at most 2 s"):
         ranges.run_time("time", 2.001, (3.0, 6.0), (1.0, 6.0))
+
+
+@pytest.mark.parametrize(
+    ("rule", "value"),
+    [
+        (ranges.BLEND_RADIUS, 20),
+        (ranges.WEAVE_OFFSET, 5),
+        (ranges.WAIT_POSITION_RANGE, [0.0, 0.0, 10.0, 0.0, 0.0, 0.0]),
+    ],
+)
+def test_a_length_in_millimetres_is_refused(rule: Any, value: Any) -> None:
+    with pytest.raises(ParameterError, match=r"\(millimetres\?\)"):
+        rule("length", value)

@@ -32,9 +32,13 @@ targets = st.one_of(
     st.integers(1, 27).map(bool_register),
     st.text("abc工具", min_size=1).map(event),
 )
-finite = st.floats(-1e6, 1e6)
 parts = st.fixed_dictionaries(
-    {"target": targets, "value": st.booleans(), "time": finite, "distance": finite}
+    {
+        "target": targets,
+        "value": st.booleans(),
+        "time": st.floats(-1e6, 1e6),
+        "distance": st.floats(-5.0, 5.0),
+    }
 )
 
 
@@ -118,6 +122,12 @@ def test_what_a_signed_byte_cannot_carry_is_refused_with_the_reason(target: Outp
         assert str(target) in str(caught.value)
         assert str(target.index) in str(caught.value)
     Op.at_start(bool_register(27))
+
+
+@pytest.mark.parametrize("make", [Op.at_start, Op.near_end])
+def test_a_distance_in_millimetres_is_refused(make: Any) -> None:
+    with pytest.raises(ParameterError, match=r"distance is 50, .* 5\.02 m \(millimetres\?\)"):
+        make(output(1), distance=50)
 
 
 def test_a_distance_is_refused_in_motions_of_joints() -> None:
