@@ -202,13 +202,14 @@ class ConnectError(DucoError, ConnectionError):
 
     Attributes:
         host: address that was tried.
-        port: TCP port that was tried.
+        port: TCP port that was tried; 0: the address has it.
     """
 
     def __init__(self, host: str, port: int, reason: str) -> None:
         self.host = host
         self.port = port
-        super().__init__(f"cannot connect to {host_port(host, port)}: {reason}")
+        where = host_port(host, port) if port else host
+        super().__init__(f"cannot connect to {where}: {reason}")
 
 
 class ConnectTimeout(ConnectError, TimeoutError):

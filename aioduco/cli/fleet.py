@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json as json_module
 import math
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
@@ -13,10 +13,12 @@ import typer
 
 from aioduco.cli import extras
 from aioduco.cli.exit_codes import FAILED, SIGNALLED, STOP_UNCONFIRMED, USAGE, ended_by_errors, fail
-from aioduco.cli.output import say
+from aioduco.cli.output import OutputFailed, say
 from aioduco.models.similar import did_you_mean
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from aioduco.integrations.fleet import FleetGateway, FleetSettings, FleetStop, FleetView
 
 __all__ = ["fleet"]
@@ -44,13 +46,10 @@ def serve(file: File) -> None:
     """
     settings = _settings(file)
     from aioduco.cli.signals import receive_signals  # noqa: PLC0415 - quick help
-    from aioduco.integrations.fleet import FleetFileError, FleetGateway  # noqa: PLC0415
+    from aioduco.integrations.fleet import FleetGateway  # noqa: PLC0415
 
     async def run() -> int:
-        try:
-            gateway = FleetGateway(settings)
-        except FleetFileError as error:
-            fail(str(error), USAGE)
+        gateway = FleetGateway(settings)
         with receive_signals() as signals:
             async with gateway, anyio.create_task_group() as tasks:
                 tasks.start_soon(_rearm_heartbeats, gateway)
@@ -62,7 +61,7 @@ def serve(file: File) -> None:
                     return SIGNALLED + number
         return FAILED
 
-    with ended_by_errors():
+    with _ended():
         code = anyio.run(run)
     raise typer.Exit(code)
 
@@ -98,7 +97,7 @@ def status(file: File, timeout: Timeout = 3.0, json: Json = False) -> None:
         async with FleetClient(settings) as client:
             return await client.status(timeout)
 
-    with ended_by_errors():
+    with _ended():
         view = anyio.run(ask)
     if json:
         table = {
@@ -135,35 +134,50 @@ def stop(
         except ConnectError as error:
             raise StopUnconfirmed(f"no stop was sent: {error}. Press the emergency stop") from error
 
-    with ended_by_errors():
+    with _ended("interrupted: it is not known whether the arms of the fleet stand"):
         done = anyio.run(ask)
-    if json:
-        table = {
-            "confirmed": done.confirmed,
-            "gateways": [json_module.loads(report.encode()) for report in done.reports],
-            "missing": done.missing,
-            "unknown": done.unknown,
-            "unproven": done.unproven,
-        }
-        say(json_module.dumps(table))
-    else:
-        _tell(done)
+    try:
+        if json:
+            _print(done)
+        else:
+            _tell_standing(done)
+    except OutputFailed as error:
+        if done.confirmed:
+            raise
+        say(error, error=True)  # what follows, and the exit code, matter more
+    if not json:
+        _tell_lacking(done)
     if not done.confirmed:
         raise typer.Exit(STOP_UNCONFIRMED)
 
 
 def _settings(file: Path) -> FleetSettings:
     extras.need("fleet")
-    from aioduco.integrations.fleet import FleetFileError, FleetSettings  # noqa: PLC0415 - quick help
+    from aioduco.integrations.fleet import FleetSettings  # noqa: PLC0415 - quick help
     from aioduco.integrations.fleet.proof import read_keys  # noqa: PLC0415
 
-    try:
+    with _wrong_file_told():
         settings = FleetSettings.read(file)
         if settings.keys:
             read_keys(settings.keys)
+    return settings
+
+
+@contextmanager
+def _wrong_file_told() -> Iterator[None]:
+    from aioduco.integrations.fleet import FleetFileError  # noqa: PLC0415 - quick help
+
+    try:
+        yield
     except FleetFileError as error:
         fail(str(error), USAGE)
-    return settings
+
+
+@contextmanager
+def _ended(interrupted: str = "interrupted") -> Iterator[None]:
+    """End the command on an error or a signal; a file may be found wrong only when it is used."""
+    with ended_by_errors(interrupted), _wrong_file_told():
+        yield
 
 
 def _show(view: FleetView) -> None:
@@ -179,15 +193,35 @@ def _show(view: FleetView) -> None:
         say("no gateway was found", error=True)
 
 
-def _tell(done: FleetStop) -> None:
+def _print(done: FleetStop) -> None:
+    table = {
+        "confirmed": done.confirmed,
+        "gateways": [json_module.loads(report.encode()) for report in done.reports],
+        "missing": done.missing,
+        "unknown": done.unknown,
+        "unproven": done.unproven,
+    }
+    say(json_module.dumps(table))
+
+
+def _tell_standing(done: FleetStop) -> None:
+    """Print the arms that stand, as their gateways proved."""
+    for report in done.reports:
+        if report.gateway not in done.unproven:
+            for arm in report.arms:
+                if not arm.error:
+                    say(f"{report.gateway:16} {arm.name:16} stands")
+
+
+def _tell_lacking(done: FleetStop) -> None:
+    """Print all else to the standard error."""
     for report in done.reports:
         if report.note:
             say(f"{report.gateway}: {report.note}", error=True)
         for arm in report.arms:
-            unproven = report.gateway in done.unproven
-            stands = "stands, says an answer without proof" if unproven else "stands"
-            text = f"{report.gateway:16} {arm.name:16} {arm.error or stands}"
-            say(text, error=bool(arm.error) or unproven)
+            if arm.error or report.gateway in done.unproven:
+                said = arm.error or "stands, says an answer without proof"
+                say(f"{report.gateway:16} {arm.name:16} {said}", error=True)
     answered = {report.gateway for report in done.reports}
     for name in done.unproven:
         said = "someone answered in its name without its key"

@@ -95,7 +95,8 @@ class FleetClient(Uncopied):
 
         Raises:
             MissingExtra: the extra `fleet` is not installed.
-            ConnectError: no router answers, or Zenoh's configuration is wrong.
+            FleetFileError: an address is none, or Zenoh's own file is wrong.
+            ConnectError: no router answers.
         """
         await self._link.__aenter__()
         try:

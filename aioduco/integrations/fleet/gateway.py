@@ -77,6 +77,7 @@ class FleetGateway(Uncopied):
 
         Raises:
             MissingExtra: the extra `fleet` is not installed.
+            FleetFileError: an address is none, or Zenoh's own file is wrong.
             ConnectError: an address cannot be listened on.
         """
         await self._link.__aenter__()
@@ -104,11 +105,12 @@ class FleetGateway(Uncopied):
             await self._link.__aexit__(*exc)
 
     async def _supervise(self, arm: ArmSettings) -> None:
-        """Keep one robot open: reopen it whenever it fails."""
-        due = anyio.current_time()
+        """Keep one robot open: reopen it whenever it fails. Each reason is logged once in a row."""
+        due, said = anyio.current_time(), ""
         while True:
             try:
                 async with self._reach(arm) as robot:
+                    said = ""
                     self.robots[arm.name] = robot
                     self._state.opened(arm.name)
                     try:
@@ -120,12 +122,17 @@ class FleetGateway(Uncopied):
                         del self.robots[arm.name]
             except* DucoError as group:
                 why = str(_first(group))
-                _log.warning("the arm %s is not supervised: %s", arm.name, why)
+                if why != said:
+                    _log.warning("the arm %s is not supervised for now: %s", arm.name, why)
+                said = why
                 self._state.closed(arm.name, why)
             except* Exception as group:
                 # The failure of one arm does not end the supervision of the others.
-                _log.exception("the gateway failed at the arm %s", arm.name)
-                self._state.closed(arm.name, f"the gateway failed: {_first(group)!r}")
+                why = f"the gateway failed: {_first(group)!r}"
+                if why != said:
+                    _log.exception("the gateway failed at the arm %s", arm.name)
+                said = why
+                self._state.closed(arm.name, why)
             due = max(due + _AGAIN, anyio.current_time())
             await anyio.sleep_until(due)
 

@@ -17,6 +17,7 @@ import anyio.from_thread
 from aioduco.errors import ConnectError, MissingExtra
 from aioduco.integrations.fleet.proof import proof_of
 from aioduco.integrations.fleet.reports import LONGEST, alive_key, state_key, stop_key
+from aioduco.integrations.fleet.settings import FleetFileError
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -61,8 +62,8 @@ class FleetLink:
 
         Raises:
             MissingExtra: the extra `fleet` is not installed.
-            ConnectError: an address cannot be listened on, no router answers, or Zenoh's
-                configuration is wrong.
+            FleetFileError: an address is none, or Zenoh's own file is wrong.
+            ConnectError: an address cannot be listened on, or no router answers.
         """
         with MissingExtra.named("a fleet", "fleet"):
             import zenoh  # noqa: PLC0415 - of the extra
@@ -70,9 +71,12 @@ class FleetLink:
         where = ", ".join((self._listens and listen) or connect)
         try:
             config = self._config(zenoh)
+        except zenoh.ZError as error:
+            raise FleetFileError(f"Zenoh refuses the settings: {_plain(error)}") from error
+        try:
             self._session = await anyio.to_thread.run_sync(zenoh.open, config)
         except (zenoh.ZError, OSError, ValueError) as error:
-            raise ConnectError(where or "Zenoh", 0, _PLACE.sub("", str(error))) from error
+            raise ConnectError(where or "Zenoh", 0, _plain(error)) from error
         try:
             await self._portal.__aenter__()
         except BaseException:
@@ -96,7 +100,8 @@ class FleetLink:
         try:
             config = zenoh.Config.from_file(settings.zenoh) if settings.zenoh else zenoh.Config()
         except zenoh.ZError as error:
-            raise ValueError(f"Zenoh's file {settings.zenoh} cannot be read: {error}") from error
+            text = f"Zenoh's file {settings.zenoh} cannot be read: {_plain(error)}"
+            raise FleetFileError(text) from error
         # A client connects to all gateways in its settings, as gateways do with each other.
         connect = [*settings.connect, *(() if self._listens else settings.listen)]
         values: dict[str, Any] = {
@@ -230,6 +235,11 @@ class FleetLink:
     def _hand_on(self, function: Callable[..., Any], *args: Any) -> None:
         with contextlib.suppress(RuntimeError):  # the session is closing
             self._portal.start_task_soon(function, *args)
+
+
+def _plain(error: Exception) -> str:
+    """What Zenoh says of an error."""
+    return _PLACE.sub("", str(error))
 
 
 def _bytes(payload: Any) -> bytes:

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from aioduco.errors import DucoError
+from aioduco.errors import DucoError, ParameterError
+from aioduco.models.address import host_alone
 from aioduco.models.ranges import HEARTBEAT
 from aioduco.models.similar import did_you_mean
 from aioduco.models.toml_files import read_toml
@@ -54,8 +55,10 @@ class ArmSettings:
     def __post_init__(self) -> None:
         _named("name of an arm", self.name)
         _typed(self, host=str, port=int, heartbeat=(int, float), guard=bool)
-        if not self.host.strip():
-            raise FleetFileError(f"host of the arm {self.name} is empty")
+        try:
+            host_alone(self.host, name=f"host of the arm {self.name}")
+        except ParameterError as error:
+            raise FleetFileError(str(error)) from None
         if not 0 < self.port < 65536:
             raise FleetFileError(f"port of the arm {self.name} is {self.port}")
         if self.heartbeat != 0 and not HEARTBEAT.low <= self.heartbeat <= HEARTBEAT.high:

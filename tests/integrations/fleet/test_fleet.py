@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import dataclasses
+import errno
 import json
 import signal
 import socket
@@ -13,6 +14,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any, Self
+from unittest.mock import AsyncMock, Mock
 
 import anyio
 import pytest
@@ -21,6 +23,7 @@ from ports import free_port
 from typer.testing import CliRunner
 
 import aioduco
+from aioduco._process.reporting import reporter
 from aioduco.cli.app import app
 from aioduco.cli.exit_codes import STOP_UNCONFIRMED
 from aioduco.integrations.fleet import (
@@ -28,9 +31,11 @@ from aioduco.integrations.fleet import (
     FleetClient,
     FleetGateway,
     FleetSettings,
+    FleetStop,
     FleetView,
 )
 from aioduco.integrations.fleet.link import FleetLink
+from aioduco.integrations.fleet.reports import ArmStopped, StopReport
 from aioduco.sim import Simulator
 from aioduco.testing import eventually_async
 
@@ -345,10 +350,59 @@ def test_an_address_that_is_taken_and_a_wrong_file_are_said(tmp_path: Path) -> N
             (f'gateway = "one"\nlisten = ["{endpoint}"]\n', 1, endpoint),
             ("rate = 1000\n", 2, "0.1 to 100"),
             ("", 2, "needs a name"),
+            ('gateway = "one"\nlisten = ["10.0.0.1:7447"]\n', 2, "10.0.0.1:7447"),
+            ('gateway = "one"\nzenoh = "none.json5"\n', 2, "none.json5 cannot be read"),
         ):
             file.write_text(f'[fleet]\nname = "plant"\n{more}')
             done = CliRunner().invoke(app, ["fleet", "serve", str(file)])
             assert (done.exit_code, said in " ".join(done.output.split())) == (code, True)
+
+
+def test_a_stop_that_is_not_confirmed_says_so_where_its_output_cannot_be_written(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """The exit code tells that arms may move, and the other stream which ones."""
+    stands, moves = ArmStopped("left"), ArmStopped("right", "not connected")
+    lacking = FleetStop((StopReport("one", (stands, moves)),), ("two",), ())
+
+    async def stop(*_: object) -> FleetStop:
+        return lacking
+
+    monkeypatch.setattr(FleetClient, "__init__", lambda *_: None)
+    monkeypatch.setattr(FleetClient, "__aenter__", AsyncMock(return_value=Mock(stop=stop)))
+    monkeypatch.setattr(FleetClient, "__aexit__", AsyncMock(return_value=None))
+    file = tmp_path / "fleet.toml"
+    file.write_text('[fleet]\nname = "plant"\n')
+    monkeypatch.setattr(sys, "stdout", Mock(write=Mock(side_effect=OSError(errno.ENOSPC, "full"))))
+    for given in ([], ["--json"]):
+        with pytest.raises(SystemExit) as ended:
+            app(["fleet", "stop", str(file), *given])
+        assert ended.value.code == STOP_UNCONFIRMED
+        said = capsys.readouterr().err
+        assert "output cannot be written" in said
+        assert given or ("right" in said and "two" in said)
+
+
+async def test_an_arm_that_is_not_reached_is_logged_once(caplog: pytest.LogCaptureFixture) -> None:
+    """And again after it was reached; a plant may be off for a year."""
+    tried = 0
+    again = anyio.Event()
+
+    def reach(_: ArmSettings) -> aioduco.Robot:
+        nonlocal tried
+        tried += 1
+        if tried == 3:
+            again.set()
+        return aioduco.connect("127.0.0.1", taken)
+
+    taken = free_port()  # nobody listens there
+    arm = ArmSettings("left", "127.0.0.1", taken)
+    settings = FleetSettings("plant", "one", (free_endpoint(),), arms=(arm,))
+    async with FleetGateway(settings, reach):
+        await again.wait()
+    reporter.flush()
+    said = [each for each in caplog.messages if "not supervised" in each]
+    assert len(said) == 1, said
 
 
 def test_a_stop_without_a_router_was_not_sent(tmp_path: Path) -> None:

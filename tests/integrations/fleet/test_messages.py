@@ -155,6 +155,8 @@ def test_a_report_says_that_the_heartbeat_is_withheld() -> None:
         ({"fleet": {"name": "f"}, "arm": [{"name": "left"}]}, "lacks host"),
         ({"fleet": {"name": "f"}, "arm": [ARM, ARM]}, "same name"),
         ({"fleet": {"name": "f"}, "arm": [{**ARM, "port": 0}]}, "port"),
+        ({"fleet": {"name": "f"}, "arm": [{**ARM, "host": "10.0.0.1:7003"}]}, "alone"),
+        ({"fleet": {"name": "f"}, "arm": [{**ARM, "host": " "}]}, "name or an address"),
         ({"fleet": {"name": "f"}, "arm": [{**ARM, "guard": "yes"}]}, "wrong type"),
         ({"fleet": {"name": "f"}, "arm": [{**ARM, "heartbeat": 0.1}]}, "0.2 to 60, or 0 for none"),
         ({"fleet": {"name": "f"}, "arm": [{**ARM, "heartbeat": float("nan")}]}, "0.2 to 60"),
