@@ -34,7 +34,7 @@ def said(text: str) -> str:
 
 
 #: commands that end as any program does
-NO_CODES = {"plot", "demo", "sim", "sim-do", "preflight", "ros1", "ros2", "tap", "export"}
+NO_CODES = {"plot", "demo", "sim", "sim-do", "preflight", "tap", "export"}
 
 
 @pytest.mark.parametrize("names", COMMANDS, ids=" ".join)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
-from aioduco.cli.exit_codes import fail, failing
+from aioduco.cli.exit_codes import ended_by_errors, fail
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -40,7 +40,11 @@ def ros1(
     host: Annotated[str, typer.Option(help="Address of the controller; or _host:=…")] = "",
     port: Port = None,
 ) -> None:
-    """Run the driver of one arm as a node of ROS 1, until Ctrl-C. Two arms are two nodes."""
+    """Run the driver of one arm as a node of ROS 1, until Ctrl-C. Two arms are two nodes.
+
+    Exit codes: 0 it was ended, by Ctrl-C, too, as launch files expect; 1 no ROS, no master, or no
+    controller; 2 wrong options, arguments or parameters. The arm stands then.
+    """
     if missing := _missing(_ROS1):
         fail(
             f"this needs {' and '.join(missing)} of ROS 1: source its setup.bash, or on Debian "
@@ -63,6 +67,9 @@ def ros2(
     """Run the driver of one arm as a node of ROS 2, until Ctrl-C. Two arms are two nodes.
 
     ROS's own arguments follow: --ros-args -p prefix:=left_ -r __node:=left_driver …
+
+    Exit codes: 0 it was ended, by Ctrl-C, too, as launch files expect; 1 no ROS, or no controller;
+    2 wrong options, arguments or parameters. The arm stands then.
     """
     if missing := _missing(_ROS2):
         fail(
@@ -90,11 +97,9 @@ def _run(
     port: int | None,
 ) -> None:
     """Run a node until it ends; its parameters are the options that were given."""
-    from aioduco.errors import DucoError  # noqa: PLC0415 - for these commands alone
-
     given: dict[str, Any] = {"host": host} if host else {}
     if port is not None:
         given["port"] = port
     logging.getLogger("aioduco").setLevel(logging.INFO)
-    with failing(DucoError):
+    with ended_by_errors():
         main(arguments, given)

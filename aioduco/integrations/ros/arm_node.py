@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import time
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
@@ -13,7 +14,7 @@ import numpy as np
 
 from aioduco import connect
 from aioduco._process.reporting import BackgroundLogger
-from aioduco.errors import DucoError
+from aioduco.errors import DucoError, ParameterError
 from aioduco.integrations.ros.arm_readings import (
     diagnosis,
     joint_reading,
@@ -38,6 +39,9 @@ if TYPE_CHECKING:
 __all__ = ["ArmNode", "NodeSettings", "StateSink", "arm_node"]
 
 _log = BackgroundLogger(__name__)
+#: topics and services begin with it, whose names ROS limits
+_PREFIX = re.compile(r"(?:[A-Za-z/][A-Za-z0-9_/]*)?")
+_PREFIXES = 'a letter, then letters, digits, "_" and "/", such as "left_"'
 _RETRY = 0.1  # seconds between two requests while the controller does not answer
 
 
@@ -98,6 +102,8 @@ class NodeSettings:
             stored(self, **{name: Number(0.1, most, "Hz", source="this package")})
         stored(self, command_timeout=Number(0.1, 10.0, "s", source="this package"))
         one_of("through", self.through, get_args(Through))
+        if _PREFIX.fullmatch(self.prefix) is None:
+            raise ParameterError("prefix", self.prefix, _PREFIXES)
 
     @property
     def base_frame(self) -> str:

@@ -54,7 +54,11 @@ def settings_of(parameters: dict[str, Any], *, joint_commands: bool = True) -> N
         raise ParameterError("host", given.get("host"), "the controller's address")
     made = {name: _as(name, value, known[name]) for name, value in given.items()}
     kept = {name: made.pop(said) for name, said in _RULES.items() if said in made}
-    return NodeSettings(**made, rules=replace(GoalRules(), **kept))
+    try:
+        rules = replace(GoalRules(), **kept)
+    except ParameterError as error:
+        raise ParameterError(_RULES[error.parameter], error.value, error.expected) from None
+    return NodeSettings(**made, rules=rules)
 
 
 def _as(name: str, value: Any, default: Any) -> Any:

@@ -14,8 +14,11 @@ __all__ = ["cancel_on_signal"]
 
 
 async def cancel_on_signal(scope: CancelScope) -> None:
-    """Wait for SIGINT or SIGTERM, and cancel a scope then."""
-    with anyio.open_signal_receiver(signal.SIGINT, signal.SIGTERM) as signals:
+    """Wait for Ctrl-C, SIGTERM, or the end of the terminal, and cancel a scope then."""
+    ends = [signal.SIGINT, signal.SIGTERM]
+    if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
+        ends.append(signal.SIGHUP)  # not under nohup
+    with anyio.open_signal_receiver(*ends) as signals:
         async for _ in signals:
             scope.cancel()
             return

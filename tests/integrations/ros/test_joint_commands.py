@@ -151,6 +151,15 @@ def test_parameters() -> None:
             settings_of(wrong)
     with pytest.raises(ParameterError):
         NodeSettings(host="a", command_timeout=0.0)
+    with pytest.raises(ParameterError, match=r"^path_tolerance is -1"):
+        settings_of({"host": "a", "path_tolerance": -1.0})
+
+
+@pytest.mark.parametrize("wrong", ["left arm", "1_", "_", "l\n", "é"])
+def test_a_prefix_is_the_beginning_of_a_name_in_ros(wrong: str) -> None:
+    assert NodeSettings(host="a", prefix="cell/left_").prefix == "cell/left_"
+    with pytest.raises(ParameterError, match=r"^prefix is"):
+        NodeSettings(host="a", prefix=wrong)
 
 
 @pytest.mark.parametrize(

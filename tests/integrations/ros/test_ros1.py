@@ -44,6 +44,8 @@ pytestmark = [
 ]
 
 SUCCEEDED, PREEMPTED, ABORTED, REJECTED = 3, 2, 4, 5
+#: what a name of ROS lacks
+NAMED = str.maketrans("=:", "__")
 #: s for what takes part of one: a net, for no machine is so busy
 PATIENT = 60.0
 
@@ -144,11 +146,12 @@ def test_what_a_user_of_the_ur_driver_knows(
     assert found["names"][0] == "joint_1"
 
 
+@pytest.mark.parametrize("told", [signal.SIGINT, signal.SIGHUP])
 def test_a_goal_has_its_result_when_the_driver_ends(
-    graph: Graph, sim: Simulator, node: subprocess.Popen[str]
+    graph: Graph, sim: Simulator, node: subprocess.Popen[str], told: signal.Signals
 ) -> None:
     client = graph.moving_client("200", "60.0", "2.0")
-    node.send_signal(signal.SIGINT)
+    node.send_signal(told)
     found = json.loads(client.communicate(timeout=PATIENT)[0].splitlines()[-1])
     assert found["state"] == PREEMPTED
     assert "the driver ends" in found["text"]
@@ -205,11 +208,17 @@ def test_a_node_says_why_it_does_not_start(graph: Graph, sim: Simulator) -> None
         (("_hurst:=1",), "hurst"),
         (("_rate:=fast",), "rate"),
         (("_model:=elephant",), "elephant"),
+        (("_prefix=left_",), "_prefix=left_"),
+        (("a:=b:=c",), "a:=b:=c"),
     ):
         # each under a name of its own: the master keeps the parameters of a name
-        node = start_node(graph, sim, *given, f"__name:={said}")
-        assert node.wait(PATIENT) == 1
-        assert said in (graph.folder / "errors").read_text()
+        node = start_node(graph, sim, *given, "__name:=node_" + said.translate(NAMED))
+        assert node.wait(PATIENT) == 2
+        assert said in graph.errors
+    assert "rosparam delete /node_hurst/hurst" in graph.errors
+    node = start_node(graph, sim, "_prefix:=[left")
+    assert node.wait(PATIENT) == 1
+    assert "ROS refuses" in graph.errors
 
 
 def test_the_demonstration_goes_round_an_obstacle(graph: Graph) -> None:

@@ -27,7 +27,7 @@ from control_msgs.msg import FollowJointTrajectoryAction, JointTrajectoryControl
 from std_srvs.srv import Trigger, TriggerResponse
 
 from aioduco._process.reporting import BackgroundLogger
-from aioduco.errors import DucoError
+from aioduco.errors import DucoError, ParameterError
 from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings, arm_node
 from aioduco.integrations.ros.node_parameters import settings_of
 from aioduco.integrations.ros.ros1 import conversions
@@ -80,23 +80,43 @@ def main(arguments: Sequence[str], parameters: dict[str, Any]) -> None:
         parameters: parameters that override those of the parameter server.
 
     Raises:
-        NodeError: no master answers.
-        ParameterError: a parameter is wrong; nothing was sent.
+        NodeError: no master answers, or ROS refuses the arguments.
+        ParameterError: an argument or a parameter is wrong; nothing was sent.
         ConnectError: no controller answers.
     """
+    for word in arguments:
+        name, assigned, value = word.partition(":=")
+        if not (name and assigned) or ":=" in value:
+            expected = "name:=value, as _prefix:=left_ or joint_states:=left_states"
+            raise ParameterError("argument", word, expected)
     if not rosgraph.is_master_online():
         raise NodeError(
             f"no ROS master answers at {rosgraph.get_master_uri()}: start roscore, or set "
             "ROS_MASTER_URI. Nothing was sent"
         )
-    rospy.init_node("duco", argv=["duco", *arguments], disable_signals=True)
-    # From here on, rospy's threads keep the process alive until `signal_shutdown`.
     try:
-        given = {**(rospy.get_param("~", {}) or {}), **parameters}
-        settings = settings_of(given, joint_commands=False)  # no topic takes them here
-        anyio.run(_serve, settings)
+        try:
+            rospy.init_node("duco", argv=["duco", *arguments], disable_signals=True)
+        except (rospy.ROSException, ValueError) as error:
+            raise NodeError(f"ROS refuses the arguments: {error}. Nothing was sent") from error
+        # From here on, rospy's threads keep the process alive until `signal_shutdown`.
+        anyio.run(_serve, _settings(parameters))
     finally:
         rospy.signal_shutdown("the driver ends")
+
+
+def _settings(parameters: dict[str, Any]) -> NodeSettings:
+    """The settings by the parameter server and, before it, these parameters."""
+    server = rospy.get_param("~", {}) or {}
+    try:
+        return settings_of({**server, **parameters}, joint_commands=False)  # no topic takes them
+    except ParameterError as error:
+        name = error.parameter
+        if name in parameters or name not in server:
+            raise
+        kept = f"rosparam delete {rospy.resolve_name(f'~{name}')}"
+        text = f"{error.expected}; the master keeps it for the next start, too: {kept}"
+        raise ParameterError(name, error.value, text) from None
 
 
 async def _serve(settings: NodeSettings) -> None:
