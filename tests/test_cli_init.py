@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import subprocess
 import sys
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -80,6 +82,23 @@ def test_a_folder_that_is_there_is_left_alone(tmp_path: Path) -> None:
     assert "nothing was written" in answer.output
     assert run("init", str(tmp_path / "a"), "--host", "no host").exit_code == 2
     assert not (tmp_path / "a").exists()
+
+
+def test_a_project_that_cannot_be_written_is_not_left_half(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The next try would say that it exists, and a user take it for a whole one."""
+    write = Path.write_text
+
+    def full(path: Path, *args: Any, **options: Any) -> int:
+        if path.name == "main.py":
+            raise OSError(errno.ENOSPC, "full")
+        return write(path, *args, **options)
+
+    monkeypatch.setattr(Path, "write_text", full)
+    answer = run("init", str(tmp_path / "demo"))
+    assert (answer.exit_code, list(tmp_path.iterdir())) == (1, [])
+    assert "cannot be written: full" in answer.output
 
 
 def test_the_line_to_try_it_can_be_pasted(tmp_path: Path) -> None:

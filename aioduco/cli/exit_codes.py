@@ -88,8 +88,10 @@ def writing(path: Path) -> Iterator[None]:
 
 def write_file(path: Path, text: str, errors: str = "strict") -> None:
     """Write a text to a file that an option names; end the command if that is not possible."""
+    from aioduco.models.whole_files import write_whole  # noqa: PLC0415 - quick help
+
     with writing(path):
-        path.write_text(text, encoding="utf-8", errors=errors)
+        write_whole(path, text, errors)
 
 
 @contextmanager

@@ -15,6 +15,7 @@ from aioduco.cli.exit_codes import fail
 from aioduco.cli.number_lists import mounting_option, numbers
 from aioduco.cli.options import refuse_unused
 from aioduco.cli.output import say
+from aioduco.models.whole_files import whole_file, write_whole
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -155,7 +156,7 @@ def export(
         for path, text in files.items():
             target = output / path
             target.parent.mkdir(parents=True, exist_ok=True)
-            target.write_text(text, encoding="utf-8")
+            write_whole(target, text)
             if text.startswith("#!"):
                 target.chmod(0o755)
             say(target)
@@ -163,7 +164,8 @@ def export(
             folder = output / (package if kind is Format.ROS1 else "") / "meshes"
             folder.mkdir(parents=True, exist_ok=True)
             for file, content in descriptions.mesh_files(*arms).items():
-                (folder / file).write_bytes(content)
+                with whole_file(folder / file) as written:
+                    written.write(content)
             say(folder)
     except (OSError, ParameterError) as error:
         fail(str(error), 2)

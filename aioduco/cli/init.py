@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import shlex
+import shutil
 from importlib import resources
 from pathlib import Path  # noqa: TC003 - typer evaluates the annotations
 from string import Template
@@ -67,6 +68,11 @@ def init(
     words = {"name": folder.name, "model": model, "host": json.dumps(host, ensure_ascii=False)}
     try:
         folder.mkdir(parents=True)
+    except FileExistsError:
+        fail(f"{folder} exists already; nothing was written")
+    except OSError as error:
+        fail(f"{folder} cannot be written: {error.strerror or error}")
+    try:
         for name in _FILES:
             path = folder / name
             text = Template((texts / f"{path.name}.txt").read_text("utf-8"))
@@ -74,10 +80,9 @@ def init(
             said = text.substitute(numbers, **words)
             # the name of a folder may be no text
             path.write_text(said, encoding="utf-8", errors="backslashreplace")
-    except FileExistsError:
-        fail(f"{folder} exists already; nothing was written")
     except OSError as error:
-        fail(f"{folder} cannot be written: {error.strerror or error}")
+        shutil.rmtree(folder, ignore_errors=True)  # a part of a project would be taken for a whole
+        fail(f"{folder} cannot be written: {error.strerror or error}; nothing of it was left")
     say(f"written to {folder}: {', '.join(_FILES)}")
     inside = f"cd {shlex.quote(str(folder))}"
     say(f"try it: {inside} && pytest && aioduco preflight main.py --cell cell.toml")

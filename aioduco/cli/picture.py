@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from aioduco.models.whole_files import whole_file
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
     from pathlib import Path
@@ -32,7 +34,8 @@ def save(path: Path, pictures: Iterable[Picture], durations: list[float]) -> Non
 
     images = [Image.fromarray(picture) for picture in pictures]
     if path.suffix == ".png":
-        images[-1].save(path, optimize=True)
+        with whole_file(path) as file:
+            images[-1].save(file, "png", optimize=True)
         return
     # One palette for all: colours do not flicker, and files are smaller.
     palette = images[len(images) // 2].quantize(128)
@@ -44,4 +47,5 @@ def save(path: Path, pictures: Iterable[Picture], durations: list[float]) -> Non
         "append_images": frames[1:],
         "optimize": True,
     }
-    frames[0].save(path, **options)
+    with whole_file(path) as file:
+        frames[0].save(file, "gif", **options)

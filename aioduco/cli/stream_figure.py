@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from aioduco.errors import MissingExtra
+from aioduco.models.whole_files import whole_file
 from aioduco.streaming.report import MEANINGS, StreamStatistics
 from aioduco.streaming.shared.block import HISTOGRAMS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from pathlib import Path
 
 __all__ = ["plot"]
 
@@ -56,7 +57,8 @@ def plot(statistics: StreamStatistics | dict[str, Any], path: str | Path) -> Non
         axes.set_title(f"dashed: {said} {unit}", fontsize="small", loc="right")
         axes.set_xlabel(unit)
         axes.set_ylabel("times")
-    figure.savefig(path, dpi=120)
+    with whole_file(path) as file:
+        figure.savefig(file, format=Path(path).suffix.lower().removeprefix(".") or "png", dpi=120)
 
 
 def _draw(axes: Any, buckets: Sequence[Sequence[int]], *, scale: float, log: bool) -> None:

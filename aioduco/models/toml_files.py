@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-import errno
-import os
 import re
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
+
+from aioduco.models.whole_files import whole_file
+
+if TYPE_CHECKING:
+    import os
 
 _TEXT: Final = r"""(?:"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
 _PART: Final = rf"(?:[\w-]++|{_TEXT})"
@@ -89,35 +92,17 @@ def _check_numbers(read: dict[str, Any]) -> None:
 def rewrite(path: str | os.PathLike[str], text: str) -> None:
     """Write a file completely or not at all; it stays the same file but for its text.
 
-    The file behind a symbolic link is written. An existing file keeps its mode and its byte order
-    mark, and its line ends if the text has none of its own but "\\n". A device or a pipe is not
-    replaced by a file: the text is written to it.
+    As `whole_file`. An existing file also keeps its byte order mark, and its line ends if the text
+    has none of its own but "\\n".
 
     Raises:
         OSError: it cannot be written; an existing one stays unchanged.
     """
-    target = Path(os.path.realpath(path))
-    if target.exists() and not target.is_file():
-        target.write_text(text, encoding="utf-8")
-        return
-    try:
-        before, mode = target.read_bytes(), target.stat().st_mode & 0o7777
-    except FileNotFoundError:
-        before, mode = b"", None
-    if mode is not None and not os.access(target, os.W_OK):
-        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
+    before = Path(path).read_bytes() if Path(path).is_file() else b""
     plain = text.removeprefix("\ufeff")
     if b"\r\n" in before and "\r" not in plain:
         plain = plain.replace("\n", "\r\n")
     mark = b"\xef\xbb\xbf" if before.startswith(b"\xef\xbb\xbf") else b""
-    part = target.with_name(f".{target.name}.{os.getpid()}")
-    try:
-        with part.open("wb") as file:
-            if mode is not None:
-                part.chmod(mode)
-            file.write(mark + plain.encode())
-            file.flush()
-            os.fsync(file.fileno())
-        part.replace(target)
-    finally:
-        part.unlink(missing_ok=True)
+    data = mark + plain.encode()
+    with whole_file(path) as file:
+        file.write(data)

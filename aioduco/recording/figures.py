@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 from aioduco.errors import MissingExtra, ParameterError
+from aioduco.models.whole_files import whole_file, write_whole
 from aioduco.recording.foreign import of_any_maker
 
 if TYPE_CHECKING:
@@ -153,9 +154,11 @@ def draw_png(run: RecordedRun, path: Path, other: RecordedRun | None = None) -> 
         MissingExtra: matplotlib is not installed.
     """
     figure = drawn(run, other)
-    if path.suffix.lower().removeprefix(".") not in figure.canvas.get_supported_filetypes():
+    kind = path.suffix.lower().removeprefix(".")
+    if kind not in figure.canvas.get_supported_filetypes():
         raise ParameterError("path", str(path), "a name that ends in .png, or in .html for a page")
-    figure.savefig(path, dpi=110)
+    with whole_file(path) as file:
+        figure.savefig(file, format=kind, dpi=110)
 
 
 def drawn(run: RecordedRun, other: RecordedRun | None = None) -> Figure:
@@ -263,7 +266,7 @@ def draw_page(run: RecordedRun, path: Path, other: RecordedRun | None = None) ->
     # in one pass: a name may contain the placeholder of the other
     page = resources.files("aioduco.recording").joinpath("figures.html").read_text("utf-8")
     page = re.sub("|".join(parts), lambda found: parts[found[0]], page)
-    path.write_text(page, encoding="utf-8", errors="replace")
+    write_whole(path, page, errors="replace")
 
 
 def script_value(value: Any) -> str:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
-import os
 import re
 from typing import TYPE_CHECKING, Any
 
 from aioduco._process.platform import private
 from aioduco.errors import MissingExtra
+from aioduco.models.whole_files import whole_file
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -49,12 +50,13 @@ def write_csv(channels: Channels, folder: Path) -> list[Path]:
     for topic, arrays in channels:
         found = columns(arrays)
         path = folder / f"{_name(topic)}.csv"
-        number = private(str(path), os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
-        with os.fdopen(number, "w", encoding="utf-8", errors="replace", newline="") as file:
+        with whole_file(path, private) as data:
+            file = io.TextIOWrapper(data, encoding="utf-8", errors="replace", newline="")
             writer = csv.writer(file)
             writer.writerow(found)
             plain = [c if isinstance(c, list) else c.tolist() for c in found.values()]
             writer.writerows(zip(*plain, strict=True))
+            file.detach()
         paths.append(path)
     return paths
 
@@ -69,7 +71,7 @@ def write_parquet(channels: Channels, metadata: dict[str, str], folder: Path) ->
     for topic, arrays in channels:
         path = folder / f"{_name(topic)}.parquet"
         table = pa.table(dict(columns(arrays)))
-        with open(path, "wb", opener=private) as file:
+        with whole_file(path, private) as file:
             parquet.write_table(table.replace_schema_metadata(metadata), file)
         paths.append(path)
     return paths

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from aioduco.models.whole_files import write_whole
 from aioduco.streaming.shared.block import HISTOGRAMS
 from aioduco.streaming.shared.histogram import Percentiles
 from aioduco.streaming.shared.words import StatusWord, Unmet
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from pathlib import Path
 
     from rich.table import Table
 
@@ -149,7 +150,7 @@ class StreamStatistics(NamedTuple):
 
     def save(self, path: str | Path) -> None:
         """Write the statistics as JSON, from which `aioduco plot` draws a figure."""
-        Path(path).write_text(json.dumps(self.as_dict(), indent=1) + "\n", encoding="utf-8")
+        write_whole(path, json.dumps(self.as_dict(), indent=1) + "\n")
 
     def __rich__(self) -> Table:
         """The table that `rich` prints."""

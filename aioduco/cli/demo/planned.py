@@ -12,6 +12,7 @@ import numpy as np
 import aioduco
 from aioduco.errors import GoalInCollision, PlanningError, RenderError
 from aioduco.models.pose import Joints, Pose
+from aioduco.models.whole_files import whole_file
 from aioduco.planning import Planner, Scene
 from aioduco.sim.scene import Box
 
@@ -133,7 +134,8 @@ def save_pictures(plan: Plan, scene: Scene, folder: Path, console: SafeConsole) 
     folder.mkdir(parents=True, exist_ok=True)
     for name, picture in drawn.items():
         path = folder / f"demo-{name}.png"
-        Image.fromarray(picture).save(path, optimize=True)
+        with whole_file(path) as file:
+            Image.fromarray(picture).save(file, "png", optimize=True)
         console.print(f"picture: {path}", highlight=False)
 
 

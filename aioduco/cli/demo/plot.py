@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from aioduco.cli.demo.script import PART
+from aioduco.models.whole_files import whole_file
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -37,7 +38,9 @@ def save(report: Report, path: Path, skeleton: Skeleton | None = None) -> None:
         path: file to write.
         skeleton: positions of the arm's joints, to draw the arm itself; None draws only the path.
     """
-    draw(report, skeleton).savefig(path, format="png", pil_kwargs={"optimize": True})
+    figure = draw(report, skeleton)
+    with whole_file(path) as file:
+        figure.savefig(file, format="png", pil_kwargs={"optimize": True})
 
 
 def draw(report: Report, skeleton: Skeleton | None = None) -> Figure:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import asdict, dataclass, field, fields
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from aioduco.errors import Described, ParameterError
 from aioduco.models.toml_files import read_text
+from aioduco.models.whole_files import write_whole
 from aioduco.sim.twin.data import TwinCommand
 from aioduco.sim.twin.patterns import Friction, PatternFit
 from aioduco.sim.twin.predictor import Predictor
@@ -119,7 +119,7 @@ class TwinLimits:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the limits to a file of JSON."""
-        Path(path).write_text(json.dumps(asdict(self), indent=2) + "\n", encoding="utf-8")
+        write_whole(path, json.dumps(asdict(self), indent=2) + "\n")
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Self:
