@@ -6,8 +6,6 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from aioduco.models.whole_files import whole_file
-
 if TYPE_CHECKING:
     import os
 
@@ -98,6 +96,8 @@ def rewrite(path: str | os.PathLike[str], text: str) -> None:
     Raises:
         OSError: it cannot be written; an existing one stays unchanged.
     """
+    from aioduco.models.whole_files import whole_file  # noqa: PLC0415 - most programs write none
+
     before = Path(path).read_bytes() if Path(path).is_file() else b""
     plain = text.removeprefix("\ufeff")
     if b"\r\n" in before and "\r" not in plain:
