@@ -17,6 +17,7 @@ import secrets
 import time
 from collections import deque
 from typing import TYPE_CHECKING, Any, Final
+from urllib.parse import quote
 
 import anyio
 
@@ -244,7 +245,7 @@ class Panel(Uncopied):
 
         The token follows a #: a browser does not send that part, and the page hides it.
         """
-        return f"{self.url}#token={self.token}" if self.token else self.url
+        return f"{self.url}#token={quote(self.token, safe='')}" if self.token else self.url
 
     async def __aenter__(self) -> Self:
         """Connect, and serve the page.

@@ -123,6 +123,19 @@ async def test_jog_by_press_and_hold_then_move_and_switch(chromium: BrowserConte
         await page.wait_for_selector("#outputs .lamp.on:nth-child(3)")
 
 
+async def test_a_token_that_is_no_part_of_an_address_takes_no_stop_from_the_page(
+    chromium: BrowserContext,
+) -> None:
+    """A script that ended there would leave a page whose STOP does nothing."""
+    token = "100%-sure & safe"
+    async with arm_and_panel(token=token) as (_, panel):
+        await commanding(chromium, panel)
+        page = await opened(chromium, f"{panel.url}#token={token}")
+        assert await page.evaluate("token") == token.replace(" ", "%20")
+        await page.click("#stop")
+        await page.wait_for_function("document.body.textContent.includes('the arm stands')")
+
+
 #: texts whose contrast to what is behind them is too low to be read, as in WCAG 2
 UNREADABLE = """() => {
   const rgba = (text) => text.match(/[\\d.]+/g).map(Number);

@@ -233,6 +233,11 @@ async def test_a_page_of_another_site_gets_no_connection(
             assert page.all("state")
 
 
+def test_a_link_holds_a_token_of_any_characters() -> None:
+    panel = Panel("127.0.0.1", token="100% a & b#c/é")
+    assert panel.link.endswith("#token=100%25%20a%20%26%20b%23c%2F%C3%A9")
+
+
 async def test_a_panel_that_watches_lets_nobody_command(bench: Bench) -> None:
     async with Panel(bench.host, bench.port, token="", **PATIENT) as panel, page_of(panel) as page:
         assert panel.link == panel.url

@@ -17,7 +17,8 @@ let aimed = false;         // whether the sliders were touched since they were s
 let history = [];          // [time by a clock of the server, joint speeds × 6, tool speed, force, lag]
 
 if (location.hash.startsWith("#token=")) {
-  token = decodeURIComponent(location.hash.slice(7));
+  token = location.hash.slice(7);
+  try { token = decodeURIComponent(token); } catch { /* a token that was written by hand */ }
   window.history.replaceState(null, "", location.pathname);  // out of sight, and of the history
 }
 
