@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import anyio
 
@@ -125,19 +125,10 @@ async def pick_and_place(robot: Robot, stage: Stage, plan: Choreography) -> None
         stage: stage that runs the motions.
         plan: places and speeds.
     """
+    sensors: dict[str, Any] = {}
     if stage.simulated:
-        gripper = DigitalGripper(
-            robot,
-            GRIPPER,
-            holds=_HOLDS,
-            opened=_OPENED,
-            travel_time=_BUSY,
-            timeout=PATIENCE,
-            max_age=PATIENCE,
-        )
-    else:
-        gripper = DigitalGripper(robot, GRIPPER, timeout=PATIENCE)
-    async with gripper:
+        sensors = {"holds": _HOLDS, "opened": _OPENED, "travel_time": _BUSY, "max_age": PATIENCE}
+    async with DigitalGripper(robot, GRIPPER, timeout=PATIENCE, **sensors) as gripper:
         await _perform(robot, stage, plan, gripper)
 
 

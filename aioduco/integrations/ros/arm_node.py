@@ -236,15 +236,13 @@ class ArmNode:
     async def run(self, sink: StateSink) -> None:
         """Publish and serve until this is cancelled."""
         async with anyio.create_task_group() as tasks:
-            tasks.start_soon(self.goals.run)
-            tasks.start_soon(self.commands.run)
-            tasks.start_soon(self.twists.run)
-            tasks.start_soon(self.freedrive.run)
-            tasks.start_soon(self._publish_joints, sink)
-            tasks.start_soon(self._publish_progress, sink)
-            tasks.start_soon(self._publish_states, sink)
-            tasks.start_soon(self._watch_speed, sink)
-            tasks.start_soon(self._diagnose, sink)
+            for part in (self.goals, self.commands, self.twists, self.freedrive):
+                tasks.start_soon(part.run)
+            for publish in (
+                *(self._publish_joints, self._publish_progress, self._publish_states),
+                *(self._watch_speed, self._diagnose),
+            ):
+                tasks.start_soon(publish, sink)
 
     async def _publish_joints(self, sink: StateSink) -> None:
         """Publish joints at the full rate: one request each; a whole sample needs three."""
