@@ -266,10 +266,7 @@ WAIT_VELOCITY = Vector(
 )
 WAIT_WRENCH = WRENCH
 #: widths around the middle values; the manual gives no range; a width is not negative
-WAIT_POSITION_RANGE = Vector(
-    *[Number(0.0, unit="m", plausible=2 * LONGEST_ARM, source="1.3.10")] * 3,
-    *[Number(0.0, unit="rad", source="1.3.10")] * 3,
-)
+WAIT_POSITION_RANGE = _six("m", "rad", 0.0)
 WAIT_VELOCITY_RANGE = _six("m/s", "rad/s", 0.0)
 WAIT_WRENCH_RANGE = GUARD_WRENCH
 WAIT_DURATION = Duration(source="1.3.10")

@@ -212,7 +212,6 @@ def test_a_time_is_as_long_as_the_arm_could_move_at_its_speeds() -> None:
     [
         (ranges.BLEND_RADIUS, 20),
         (ranges.WEAVE_OFFSET, 5),
-        (ranges.WAIT_POSITION_RANGE, [0.0, 0.0, 10.0, 0.0, 0.0, 0.0]),
     ],
 )
 def test_a_length_in_millimetres_is_refused(rule: Any, value: Any) -> None:
