@@ -98,9 +98,7 @@ def directions_of(
     return _BY_MANUAL[manual]
 
 
-FRAME_TYPE = Choice(
-    {frame.value: frame.name.lower().replace("_", " ") for frame in JogFrame}, source=_SOURCE
-)
+FRAME_TYPE = Choice({frame.value: f"JogFrame.{frame.name}" for frame in JogFrame}, source=_SOURCE)
 
 
 @dataclass(frozen=True, slots=True)

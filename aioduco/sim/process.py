@@ -9,6 +9,7 @@ from aioduco._process.closing import Startable
 from aioduco._process.linked_process import LinkedProcess
 from aioduco._process.spawn import MUJOCO_PACKAGES, Unstartable
 from aioduco.models.controller_clock import ScaledClock
+from aioduco.models.host_port import host_port
 
 if TYPE_CHECKING:
     import subprocess
@@ -48,6 +49,10 @@ class SimulatorProcess(Startable):
         self.port: int = 0
         self.status_port: int | None = None
         self.force_port: int | None = None
+
+    def __repr__(self) -> str:
+        state = "not running" if self._linked is None else f"on {host_port(self.host, self.port)}"
+        return f"<{type(self).__name__} {state}>"
 
     @property
     def pid(self) -> int:

@@ -126,6 +126,9 @@ class JointTrajectory(Frozen):
             None if accelerations is None else _matrix("accelerations", accelerations, count)
         )
 
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {len(self.times)} points in {self.duration:g} s>"
+
     @property
     def duration(self) -> float:
         """Time of the last point [s]."""

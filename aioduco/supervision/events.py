@@ -356,6 +356,9 @@ class Events(Uncopied):
         self._running = False
         self._closed = False
 
+    def __repr__(self) -> str:
+        return f"<Events {len(self._subscriptions)} subscribers>"
+
     def tell(self, event: Event) -> None:
         """Give an event to every subscriber; on the event loop."""
         for subscription in self._subscriptions:

@@ -140,3 +140,9 @@ def test_poses_and_joints_are_not_mixed_up() -> None:
         RealtimePoint.joint_position(Pose(*SIX))
     with pytest.raises(ParameterError):
         RealtimePoint.pose(Joints(*SIX))
+
+
+def test_a_frame_in_words_is_refused_with_the_names_to_write() -> None:
+    frame: Any = "tool"  # as the streams take it
+    with pytest.raises(ParameterError, match=r"frame is 'tool', .*2 \(JogFrame\.TOOL\)"):
+        Jog.cartesian("z", 1, 10, frame=frame)

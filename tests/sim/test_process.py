@@ -35,8 +35,10 @@ def test_a_spawned_simulator_is_served_and_ends_with_its_block(connect: Connect)
     with Simulator.spawn(model="gcr10_1300", seed=7) as sim:
         assert psutil.pid_exists(sim.pid)
         assert sim.host == "127.0.0.1"
+        assert repr(sim) == f"<SimulatorProcess on 127.0.0.1:{sim.port}>"
         assert connect(sim).get_robot_type() == ["GCR10", "1300", "", "SIM00000007"]
     assert sim.process.returncode == 0
+    assert repr(sim) == "<SimulatorProcess not running>"
 
 
 @pytest.mark.slow

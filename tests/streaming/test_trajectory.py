@@ -96,6 +96,11 @@ def test_accelerations_given_are_had(curve: tuple[Any, Any, Any]) -> None:
     np.testing.assert_allclose(found.velocity(at), reference.derivative()(at), atol=1e-6)
 
 
+def test_a_trajectory_says_how_long_it_is() -> None:
+    trajectory = JointTrajectory([[0.0] * 6, [0.1] * 6, [0.2] * 6], [0.0, 0.5, 1.25])
+    assert repr(trajectory) == "<JointTrajectory 3 points in 1.25 s>"
+
+
 def test_poses_are_sampled_by_the_shortest_turn() -> None:
     start, end = [0.5, 0.0, 0.4, 3.0, 0.0, 0.0], [0.6, 0.0, 0.4, -3.0, 0.0, 0.0]
     found = sampled(POSE_SPACE, [start, end], [0.0, 1.0], 0.1)

@@ -239,6 +239,7 @@ async def some(events: Subscription[Event], *kinds: type[Event]) -> dict[type[Ev
 
 async def test_events_of_the_state(bench: Bench, robot: aioduco.Robot) -> None:
     with robot.events.subscribe() as events:
+        assert repr(robot.events) == "<Events 1 subscribers>"
         await eventually_async(lambda: bool(bench.received("get_last_error")))
         bench.collision = True
         bench.states = [4, 0, 9, 0]
