@@ -88,9 +88,10 @@ class _Six(Sequence[float]):
                 found = Described(f"an array of shape {values.shape} and type {values.dtype}")
                 raise ParameterError(name, found, cls._expected)
             values = values.tolist()
-        elif isinstance(values, _Six) or not isinstance(values, Sequence):
-            # A pose is not a joint vector, although both have six numbers.
+        elif isinstance(values, _Six):  # a pose is no joint vector, although both have six numbers
             raise ParameterError(name, values, cls._expected)
+        elif not isinstance(values, Sequence):
+            raise ParameterError(name, values, f"{cls._expected}, as a list, a tuple or an array")
         if len(values) != 6:
             raise ParameterError(name, values, cls._expected)
         return cls(*values)

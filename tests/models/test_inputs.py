@@ -149,3 +149,22 @@ def test_a_message_shows_the_beginning_of_a_long_value() -> None:
     with pytest.raises(ParameterError, match=r"… \(200002 characters\)") as caught:
         kinematics.arm("x" * 200_000)
     assert len(str(caught.value)) < 1500
+
+
+@pytest.mark.parametrize(
+    "six",
+    [
+        {f"joint_{number}": 0.0 for number in range(1, 7)},
+        {0.0, 0.1, 0.2, 0.3, 0.4, 0.5},
+        "0 0 0 0 0 0",
+        (0.0 for _ in range(6)),
+        np.zeros((1, 6)),
+    ],
+)
+def test_six_numbers_that_are_no_list_are_refused_as_no_list(six: Any) -> None:
+    for made in (ranges.JOINTS, ranges.POSE):
+        with pytest.raises(ParameterError, match=r"must be .*, as a list, a tuple or a flat array"):
+            made("joints", six)
+    if not isinstance(six, np.ndarray | str):  # the message has its shape; a text is a sequence
+        with pytest.raises(ParameterError, match=r"must be .*, as a list, a tuple or an array"):
+            Joints.of(six)

@@ -32,7 +32,7 @@ def ordered(name: str, value: object, expected: str) -> Sequence[Any]:
             return tuple(value)
     elif hasattr(value, "__array__"):
         return ordered(name, np.asarray(value), expected)
-    raise ParameterError(name, value, expected)
+    raise ParameterError(name, value, f"{expected}, as a list, a tuple or a flat array")
 
 
 class Vector(Rule):
