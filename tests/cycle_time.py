@@ -52,8 +52,8 @@ def spare_processor(speed: float) -> None:
     Simulator.__init__.__kwdefaults__.update(given)
     make = SimulatorProcess.__init__
 
-    def make_sparing(process: SimulatorProcess, options: dict[str, Any]) -> None:
-        make(process, given | options)
+    def make_sparing(self: SimulatorProcess, options: dict[str, Any]) -> None:
+        make(self, given | options)
 
     SimulatorProcess.__init__ = make_sparing  # type: ignore[method-assign]
 
