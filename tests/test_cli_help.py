@@ -11,7 +11,7 @@ import pytest
 from cli_runner import CliRunner
 from typer.main import get_command
 
-from aioduco.cli.app import app
+from aioduco.cli.app import app, app_for
 
 
 def commands(command: Any, *names: str) -> Iterator[tuple[tuple[str, ...], Any]]:
@@ -49,6 +49,14 @@ def test_help_shows_an_example_the_exit_codes_and_every_text_whole(names: tuple[
     assert "Exit codes: " in done.stdout or names[0] in NO_CODES
     missing = [text for text in helps if said(text) not in said(done.stdout)]
     assert not missing
+
+
+def test_a_command_is_made_alone() -> None:
+    """To make all of them takes as long as Python to start."""
+    for name in vars(get_command(app))["commands"]:
+        assert list(vars(get_command(app_for([name, "--help"])))["commands"]) == [name]
+    for words in ([], ["--help"], ["stat"]):
+        assert app_for(words) is app
 
 
 def linked(row: str) -> list[str]:

@@ -37,13 +37,13 @@ def _run() -> None:
             stopping.stop_at(plain.address, as_json=plain.json)
             return
     try:
-        from aioduco.cli.app import app  # noqa: PLC0415 - what it needs is an extra
+        from aioduco.cli.app import app_for  # noqa: PLC0415 - what it needs is an extra
     except ModuleNotFoundError as error:
         if error.name in {"typer", "rich"}:
             needs = f"the command aioduco needs {error.name}: pip install 'aioduco[cli]'"
             raise SystemExit(needs) from None
         raise
-    app()
+    app_for(sys.argv[1:])()
 
 
 def _refuse_empty(words: Sequence[str]) -> None:

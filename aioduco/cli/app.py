@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import copy
+from typing import TYPE_CHECKING
+
 import typer
+from typer.main import get_command_name
 
 import aioduco
 from aioduco.cli.calibrate import calibrate
@@ -38,7 +42,10 @@ from aioduco.cli.tool import tool
 from aioduco.cli.twin import twin
 from aioduco.cli.view import view
 
-__all__ = ["app"]
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = ["app", "app_for"]
 
 app: typer.Typer = typer.Typer(
     name="aioduco",
@@ -108,3 +115,21 @@ def main(
     ),
 ) -> None:
     """DUCO robot arms: watch, lead, move and record them; and a simulated controller."""
+
+
+def app_for(words: Sequence[str]) -> typer.Typer:
+    """Give the app for words of a command line.
+
+    It has the command alone that they name: typer takes as long to make all of them as Python to
+    start. If they name none, it is the whole app.
+    """
+    name = words[0] if words else ""
+    alone = copy.copy(app)
+    alone.registered_groups = [each for each in app.registered_groups if each.name == name]
+    alone.registered_commands = [
+        each
+        for each in app.registered_commands
+        if each.callback is not None
+        and (each.name or get_command_name(each.callback.__name__)) == name
+    ]
+    return alone if alone.registered_commands or alone.registered_groups else app
