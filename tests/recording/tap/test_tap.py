@@ -305,14 +305,11 @@ def test_the_command_says_what_is_wrong(listener: socket.socket) -> None:
 
 def test_the_command_says_that_its_file_cannot_be_written(tmp_path: Path) -> None:
     (tmp_path / "calls.jsonl").mkdir()
-    for file, status, said in (
-        ("calls.jsonl", 1, "calls.jsonl cannot be written: Is a directory"),
-        ("none/calls.jsonl", 2, "there is no folder"),
-    ):
+    for file, said in (("calls.jsonl", "is a folder"), ("none/calls.jsonl", "there is no folder")):
         words = ["tap", "127.0.0.1", "--listen", "127.0.0.1:0", "-o", str(tmp_path / file)]
         result = CliRunner().invoke(app, words)
-        assert result.exit_code == status
-        assert said in " ".join(result.output.split())
+        assert result.exit_code == 2
+        assert said in " ".join(result.output.replace("│", " ").split())
 
 
 @pytest.mark.slow
