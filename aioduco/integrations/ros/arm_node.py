@@ -36,13 +36,23 @@ if TYPE_CHECKING:
     from aioduco import Pose, Robot, Snapshot, WorkerOptions
     from aioduco.integrations.ros.arm_readings import ArmReading, Diagnosis, PlacedFrame
 
-__all__ = ["ArmNode", "NodeSettings", "StateSink", "arm_node"]
+__all__ = ["ArmNode", "NodeSettings", "StateSink", "arm_node", "check_prefix"]
 
 _log = BackgroundLogger(__name__)
 #: topics and services begin with it, whose names ROS limits
 _PREFIX = re.compile(r"(?:[A-Za-z/][A-Za-z0-9_/]*)?")
 _PREFIXES = 'a letter, then letters, digits, "_" and "/", such as "left_"'
 _RETRY = 0.1  # seconds between two requests while the controller does not answer
+
+
+def check_prefix(prefix: object) -> None:
+    """Check a prefix of names.
+
+    Raises:
+        ParameterError: names in ROS do not begin so.
+    """
+    if not isinstance(prefix, str) or _PREFIX.fullmatch(prefix) is None:
+        raise ParameterError("prefix", prefix, _PREFIXES)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -102,8 +112,7 @@ class NodeSettings:
             stored(self, **{name: Number(0.1, most, "Hz", source="this package")})
         stored(self, command_timeout=Number(0.1, 10.0, "s", source="this package"))
         one_of("through", self.through, get_args(Through))
-        if _PREFIX.fullmatch(self.prefix) is None:
-            raise ParameterError("prefix", self.prefix, _PREFIXES)
+        check_prefix(self.prefix)
 
     @property
     def base_frame(self) -> str:

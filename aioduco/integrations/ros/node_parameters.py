@@ -5,16 +5,20 @@ from __future__ import annotations
 from dataclasses import fields, replace
 from typing import Any
 
-from aioduco.errors import ParameterError
+from aioduco.errors import DucoError, ParameterError
 from aioduco.integrations.ros.arm_node import NodeSettings
 from aioduco.integrations.ros.trajectory_goals import GoalRules
 
-__all__ = ["parameter_defaults", "settings_of"]
+__all__ = ["NodeError", "parameter_defaults", "settings_of"]
 
 _RULES = {"path": "path_tolerance", "goal": "goal_tolerance", "goal_time": "goal_time_tolerance"}
 _RULES |= {"start": "start_tolerance", "max_stamp_age": "stamp_tolerance"}
 _DEFAULTS = NodeSettings(host="-")
 _COMMANDS = ("command_rate", "command_timeout", "hold_commands")  # need a topic of joint commands
+
+
+class NodeError(DucoError):
+    """The node could not be started; nothing was sent."""
 
 
 def parameter_defaults() -> dict[str, Any]:

@@ -289,7 +289,15 @@ def test_a_node_says_why_it_does_not_start(domain: Domain, sim: Simulator) -> No
         ("hurst:=1", "hurst"),
         ("rate:=fast", "rate"),
         ("model:=elephant", "elephant"),
+        ("prefix:=left arm", "prefix is 'left arm'"),
+        ("autostart:='false'", "true or false"),
     ):
         node = domain.start_node(sim, given)
+        assert (node.wait(PATIENT), said in domain.errors) == (2, True), domain.errors
+    command = (sys.executable, "-m", "aioduco.cli", "ros2", "--host", sim.host, "prefix=left_")
+    node = domain.start(*command)
+    assert (node.wait(PATIENT), "after --ros-args" in domain.errors) == (2, True), domain.errors
+    for given in ("joint_names:=[]", "rate"):
+        node = domain.start_node(sim, given)
         assert node.wait(PATIENT) == 1
-        assert said in domain.errors
+        assert "ROS refuses the arguments" in domain.errors.splitlines()[-1]

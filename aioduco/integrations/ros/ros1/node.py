@@ -27,9 +27,9 @@ from control_msgs.msg import FollowJointTrajectoryAction, JointTrajectoryControl
 from std_srvs.srv import Trigger, TriggerResponse
 
 from aioduco._process.reporting import BackgroundLogger
-from aioduco.errors import DucoError, ParameterError
+from aioduco.errors import ParameterError
 from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings, arm_node
-from aioduco.integrations.ros.node_parameters import settings_of
+from aioduco.integrations.ros.node_parameters import NodeError, settings_of
 from aioduco.integrations.ros.ros1 import conversions
 from aioduco.integrations.ros.ros1._packed_joint_state import PackedJointState
 from aioduco.integrations.ros.service_table import service_table
@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     from aioduco.integrations.ros.trajectory_goals import TrajectoryGoal
     from aioduco.integrations.ros.trajectory_server import GoalProgress
 
-__all__ = ["NodeError", "main"]
+__all__ = ["main"]
 
 _LOOK_AT_MASTER = 1.0  # seconds between two checks of the master
 _LOOKS_AGAIN, _LOOK_AGAIN = 4, 0.005  # checks after it closed its connection, and seconds between
@@ -66,10 +66,6 @@ _TOPICS = STATE_TOPICS | {_CONTROLLER_STATE: JointTrajectoryControllerState}
 _SOONEST_RESULT = 0.1
 
 _log = BackgroundLogger(__name__)
-
-
-class NodeError(DucoError):
-    """The node could not be started; nothing was sent."""
 
 
 def main(arguments: Sequence[str], parameters: dict[str, Any]) -> None:

@@ -35,8 +35,8 @@ from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
 from aioduco._process.reporting import BackgroundLogger
-from aioduco.errors import DucoError
-from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings, arm_node
+from aioduco.errors import DucoError, ParameterError
+from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings, arm_node, check_prefix
 from aioduco.integrations.ros.arm_services import ServiceReply
 from aioduco.integrations.ros.node_parameters import parameter_defaults, settings_of
 from aioduco.integrations.ros.ros2 import conversions
@@ -95,6 +95,12 @@ _ENDS = ServiceReply(False, "the driver ends; nothing was sent")
 
 #: parameters of the node itself, besides those of the driver
 _OWN = {"autostart": True, "watch_clients": True}
+
+
+def _check_own(name: str, value: object) -> None:
+    """Check a parameter of this shell: a text "false" would count as true."""
+    if name in _OWN and not isinstance(value, bool):
+        raise ParameterError(name, value, "true or false")
 
 
 class _ActionGoal:
@@ -232,6 +238,9 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         fail: takes an error that ended the driver unexpectedly; called on the loop.
         parameters: parameters that override those of the command line.
 
+    Raises:
+        ParameterError: one of the parameters that are read at once is wrong.
+
     Attributes:
         names: names of the joints.
         error: why the last configuration failed; None if it succeeded.
@@ -276,7 +285,10 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
             if service.srv_type is ChangeState:
                 # rclpy's own raises for a transition that this state does not have.
                 service.callback = functools.partial(_change_state, service.callback)
-        self._prefix = str(self.get_parameter("prefix").value)
+        for name in _OWN:
+            _check_own(name, self.get_parameter(name).value)
+        self._prefix: str = self.get_parameter("prefix").value
+        check_prefix(self._prefix)
         self._offer_services()
 
     # -- parameters ------------------------------------------------------------------------------
@@ -300,6 +312,11 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         if late and self._arm is not None:
             text = f"{', '.join(late)}: read when the driver is configured; clean it up first"
             return SetParametersResult(successful=False, reason=text)
+        try:
+            for each in parameters:
+                _check_own(each.name, each.value)
+        except ParameterError as error:
+            return SetParametersResult(successful=False, reason=str(error))
         return SetParametersResult(successful=True)
 
     # -- transitions: on rclpy's thread, or on the thread that starts the node -------------------

@@ -15,12 +15,16 @@ import anyio
 import anyio.to_thread
 import rclpy
 from anyio.from_thread import BlockingPortal
+from rclpy.exceptions import NameValidationException
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import remove_ros_args
 from std_srvs.srv import Trigger
 
 from aioduco._process.reporting import BackgroundLogger, reporter
+from aioduco.errors import DucoError, ParameterError
+from aioduco.integrations.ros.node_parameters import NodeError
 from aioduco.integrations.ros.ros2._driver_node import DriverNode
 from aioduco.integrations.ros.shutdown import cancel_on_signal
 
@@ -30,6 +34,8 @@ if TYPE_CHECKING:
 __all__ = ["main"]
 
 _LEAVE = 2.0  # seconds within which rclpy's threads must end
+_REFUSED = "ROS refuses the arguments: {}. Nothing was sent"
+_ROS_ARGUMENTS = "one of ROS's, after --ros-args, as in: --ros-args -p prefix:=left_"
 _MOST_RAISED = 1000  # errors of rclpy within a second after which it does not work any more
 
 _log = BackgroundLogger(__name__)
@@ -67,10 +73,19 @@ def main(arguments: Sequence[str], parameters: dict[str, Any]) -> None:
         parameters: parameters that override those of the command line.
 
     Raises:
-        ParameterError: a parameter is wrong; nothing was sent.
+        NodeError: ROS refuses the arguments.
+        ParameterError: an argument or a parameter is wrong; nothing was sent.
         ConnectError: no controller answers.
     """
-    rclpy.init(args=["duco", *arguments], signal_handler_options=SignalHandlerOptions.NO)
+    words = ["duco", *arguments]
+    try:
+        rclpy.init(args=words, signal_handler_options=SignalHandlerOptions.NO)
+        _, *others = remove_ros_args(words)
+    except (RuntimeError, ValueError) as error:
+        raise NodeError(_REFUSED.format(error)) from error
+    if others:
+        rclpy.try_shutdown()
+        raise ParameterError("argument", others[0], _ROS_ARGUMENTS)
     try:
         failure = anyio.run(_serve, parameters)
     finally:
@@ -88,7 +103,12 @@ async def _serve(parameters: dict[str, Any]) -> BaseException | None:
             failures.append(error)
             tasks.cancel_scope.cancel()
 
-        node = DriverNode(portal, fail, parameters)
+        try:
+            node = DriverNode(portal, fail, parameters)
+        except DucoError as error:
+            return error
+        except (ValueError, TypeError, RuntimeError, NameValidationException) as error:
+            return NodeError(_REFUSED.format(error))
         handler = _RosLog(node.get_logger())
         logging.getLogger("aioduco").addHandler(handler)
         # A separate node: a stop waits for none of the driver node's callbacks.
