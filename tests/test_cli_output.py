@@ -195,3 +195,18 @@ def test_without_a_standard_input_no_question_is_confirmed(
     assert ended.value.exit_code == NOT_CONFIRMED
     assert "not confirmed: nothing was sent" in capsys.readouterr().err
     assert typed_line("touch 1: ") is None
+
+
+@pytest.mark.linux("descriptors that a child inherits by number")
+@pytest.mark.slow  # a process
+def test_no_socket_takes_the_number_of_a_closed_stream() -> None:
+    """A process that is started would take it for its standard output; and a stream is no None."""
+    looked = (
+        "import sys, socket; from aioduco.cli.output import guard_streams; guard_streams()\n"
+        "number = socket.socket().fileno()\n"
+        "print('lost'); sys.stderr.write('lost')\n"
+        "sys.exit(10 * (number > 2) + sys.stdin.isatty() + len(sys.stdin.read()))"
+    )
+    closed = "import os, sys; os.closerange(0, 3); os.execv(sys.executable, sys.argv[1:])"
+    words = [sys.executable, "-c", closed, sys.executable, "-W", "ignore", "-c", looked]
+    assert subprocess.run(words, check=False).returncode == 10

@@ -52,6 +52,8 @@ class OutputFailed(Exception):
         self.error = error
 
 
+#: descriptor of the standard error
+_LAST_STREAM: Final = 2
 #: errors of a write to a full disk, to a closed terminal, or to a pipe that nobody reads
 _UNWRITABLE: Final = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EPIPE}
 
@@ -154,13 +156,31 @@ def guard_streams() -> None:
     """Let warnings of the library, and the traceback that ends the program, pass `shown`, too.
 
     What the encoding of an output lacks, such as Chinese in a file of Windows, is spelled out.
+    Streams that are closed become empty ones.
     """
+    _open_closed_streams()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
     if logging.lastResort is not None:
         logging.lastResort.setFormatter(_ShownFormatter())
     sys.excepthook = _say_traceback
+
+
+def _open_closed_streams() -> None:
+    """Open the standard streams that are closed, as a daemon's may be.
+
+    Otherwise a socket takes such a number, and a process of this package takes it for its stream.
+    """
+    while (descriptor := os.open(os.devnull, os.O_RDWR)) <= _LAST_STREAM:
+        os.set_inheritable(descriptor, True)
+    os.close(descriptor)
+    if sys.stdin is None:
+        sys.stdin = open(0, closefd=False)  # noqa: SIM115 - until the end
+    if sys.stdout is None:
+        sys.stdout = open(1, "w", closefd=False)  # noqa: SIM115
+    if sys.stderr is None:
+        sys.stderr = open(2, "w", closefd=False)  # noqa: SIM115
 
 
 def _say_traceback(
