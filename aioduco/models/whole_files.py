@@ -51,8 +51,9 @@ def whole_file(
         finally:
             part.unlink(missing_ok=True)
     except OSError as error:
-        error.filename, error.filename2 = str(path), None
-        raise
+        if error.errno is None:
+            raise
+        raise OSError(error.errno, error.strerror, str(path)) from error
 
 
 def write_whole(path: str | os.PathLike[str], text: str, errors: str = "strict") -> None:

@@ -38,11 +38,14 @@ def test_what_was_there_stays_if_the_new_content_does_not_fit(tmp_path: Path) ->
     path.chmod(0o640)
     with pytest.raises(OSError, match="full") as failed:
         _fails_half_way(path)
-    assert failed.value.filename == str(path)
+    assert str(failed.value) == f"[Errno {errno.ENOSPC}] full: {str(path)!r}"
     assert path.read_text() == BEFORE
     write_whole(path, "new\n")
     assert (path.read_bytes(), path.stat().st_mode & 0o777) == (b"new\n", 0o640)
     assert [*tmp_path.iterdir()] == [path]
+    with pytest.raises(IsADirectoryError) as failed:
+        write_whole(tmp_path, "new\n")
+    assert str(failed.value).endswith(f"directory: {str(tmp_path)!r}")
 
 
 def _statistics(path: Path) -> None:
