@@ -64,8 +64,8 @@ class Modes:
         self._entered = 0
         #: of these, those that should be off by now
         self._overdue: set[str] = set()
-        #: of these, those that nobody has tried to end yet
-        self._due: set[str] = set()
+        #: of these, those of which it was logged that they could not be ended
+        self._told: set[str] = set()
         self._leaving = anyio.Lock()
         self.left_at_standstill: set[str] = set()
 
@@ -104,17 +104,17 @@ class Modes:
         self._entered += 1
         self._on[ending] = args, self._entered
         self._overdue.discard(ending)
-        self._due.discard(ending)
+        self._told.discard(ending)
         return was_on
 
     def over(self, ending: str) -> None:
         """Note that a mode in which the arm yields or follows is off."""
         self._on.pop(ending, None)
         self._overdue.discard(ending)
-        self._due.discard(ending)
+        self._told.discard(ending)
 
     def overdue(self, *endings: str) -> None:
-        """Note that modes should be off, and may be on; `leave_due` ends them. From any thread.
+        """Note that modes should be off, and may be on: they are to be ended. From any thread.
 
         Args:
             endings: the functions that end them; none for all modes that a stop ends.
@@ -122,7 +122,6 @@ class Modes:
         for ending in endings or tuple(self._on):
             if ending in self._on:
                 self._overdue.add(ending)
-                self._due.add(ending)
 
     async def leave(self) -> None:
         """Leave the modes in which the arm yields or follows, and empty the track pool.
@@ -132,9 +131,9 @@ class Modes:
         await self._leave(self._on)
 
     async def leave_due(self) -> None:
-        """Leave the modes that should be off, once: what fails is left to `leave_overdue`."""
-        if self._due:
-            await self._leave(self._due)
+        """Leave the modes that should be off by now; what fails is to be tried again."""
+        if self._overdue:
+            await self._leave(self._overdue)
 
     async def leave_overdue(self, name: str) -> None:
         """Leave the modes that should be off by now, before something that moves the arm is sent.
@@ -158,7 +157,6 @@ class Modes:
             for name in tuple(modes):
                 if name not in modes:
                     continue  # it was left, or entered again, meanwhile
-                self._due.discard(name)
                 mode, over = self._on[name], True
                 try:
                     await self._channel.control(name, mode[0], _LEAVE_LIMIT)
@@ -168,7 +166,9 @@ class Modes:
                         self._overdue.add(name)
                     if not isinstance(exc, DucoError | MemoryError):
                         raise  # it was cancelled
-                    _log.warning("%s after a stop failed: %s", name, str(exc) or repr(exc))
+                    if name not in self._told:
+                        self._told.add(name)
+                        _log.warning("%s after a stop failed: %s", name, str(exc) or repr(exc))
                 if over and self._on.get(name) == mode:  # it was not entered again meanwhile
                     self.over(name)
 

@@ -558,6 +558,7 @@ class Robot:
         )
         self.dispatcher = Dispatcher(lanes[3], self.coordinator, settings)
         self.background.start(self.coordinator.follower.run(), "follower")
+        self.background.start(self.dispatcher.note_rest(), "rest")
 
     def _permits_ended(self, ending: PermitEnding) -> None:
         self.coordinator.permits_ended(ending)
@@ -649,17 +650,11 @@ class Robot:
 
     def stops_now(self) -> None:
         """Stop the arm as a signal handler does; what is on its way is stopped by its sender."""
-        run = self.run
+        run, asked = self.run, self.run.asks
         run.void_unsent("robot.stop_now() was called after it was asked for")
-        under_way = [
-            run.commands[name]
-            for name, call in run.calls.items()
-            if call.state in ("sent", "served") and not call.broken
-        ]
         self.coordinator.stop_now(2.0)
-        if under_way:
-            why = "robot.stop_now() returned a second ago"
-            run.loop.call_later(1.0, lambda: self._void(why, *under_way))
+        why = "robot.stop_now() returned three seconds ago"
+        run.loop.call_later(3.0, lambda: self._void(why, before=asked))
 
     async def aborts(self) -> None:
         """Abort."""
