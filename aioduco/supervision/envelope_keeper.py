@@ -111,6 +111,8 @@ class EnvelopeKeeper:
         self._feed = feed
         self._watch = watch
         self._open = False
+        #: whether something was asked for that may move the arm, and may not be sent yet
+        self._asked = False
         #: the envelope whose arm was found to be the one that is there
         self._fitting: Envelope | None = None
         self._last: _Checked | None = None
@@ -137,7 +139,8 @@ class EnvelopeKeeper:
         self._feed.force_readers += _needs_forces(envelope) - _needs_forces(self.envelope)
         self._watch.use(envelope)
         self._last = None
-        if self._open and envelope is not None and (self._live or self._coordinator.streams):
+        moves = self._asked or self._live or self._coordinator.streams
+        if self._open and envelope is not None and moves:
             self._watch.moves_unchecked()  # by another envelope, or by none
         self.begin(opened=self._open)
 
@@ -160,17 +163,18 @@ class EnvelopeKeeper:
     async def check(self, command: Command) -> Command:
         """Check that a motion stays within the envelope; return it, slowed down if necessary."""
         envelope, watch, name = self.envelope, self._watch, command.name
+        self._asked = True
         if trial.current is not None:
             trial.current.checked(name)
         if envelope is None or name in _NOT_THE_ARM:
             return command
+        if not self._live:
+            watch.unchecked, watch.velocity = False, None
         await self._check_arm(name, envelope)
         from aioduco.envelope import servo, velocities, ways  # noqa: PLC0415  # loads numpy
 
         before, self._last = self._last, None
         newest = next(reversed(self._coordinator.follower.motions), None)
-        if not self._live:
-            watch.unchecked, watch.velocity = False, None
         if before is not None and (newest is None or newest is before.newest):
             before = None  # it has ended, or the controller refused it
         try:
@@ -324,10 +328,11 @@ class EnvelopeKeeper:
             EnvelopeViolated: the way between them is beyond a limit, or the arm is; nothing was
                 sent.
         """
-        if self.envelope is not None and (joints or moves):
-            await self._check_arm(name, self.envelope)
+        envelope = self.envelope
+        if envelope is not None and (joints or moves):
+            await self._check_arm(name, envelope)
             paths = [joints] if joints else []
-            await self._check_unknown(self.envelope, name, paths, moves=moves)
+            await self._check_unknown(envelope, name, paths, moves=moves)
 
     async def _check_unknown(
         self,
@@ -495,21 +500,24 @@ class EnvelopeKeeper:
             The packed envelope; the pose of the work object; and the time within which the watch of
             the state stops the arm [s]. None if nothing is checked.
         """
+        self._asked = True
         if self.envelope is None:
             return None
         async for _ in every(_STOPPING_EVERY):
             if not self._coordinator.gate.stopping:
                 break  # before, the arm and what moved it would be looked at too early
+        if (envelope := self.envelope) is None:
+            return None
         if not self._live:  # else the stream is not opened
             self._watch.unchecked, self._watch.velocity, self._last = False, None, None
-        await self._check_arm(name, self.envelope)
+        await self._check_arm(name, envelope)
         frames = await self._frames(tool, wobj, standing=True)
         if frames is None:
-            await self._check_unknown(self.envelope, name)
+            await self._check_unknown(envelope, name)
             return None
         if speeds:
             self._watch.moves_unchecked()
-        return self.envelope.packed(frames.tool), list(frames.wobj), self._watch.reaction
+        return envelope.packed(frames.tool), list(frames.wobj), self._watch.reaction
 
 
 def _needs_forces(envelope: Envelope | None) -> bool:
