@@ -501,8 +501,6 @@ class EnvelopeKeeper:
             the state stops the arm [s]. None if nothing is checked.
         """
         self._asked = True
-        if self.envelope is None:
-            return None
         async for _ in every(_STOPPING_EVERY):
             if not self._coordinator.gate.stopping:
                 break  # before, the arm and what moved it would be looked at too early

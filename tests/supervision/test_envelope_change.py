@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Callable, Coroutine
+from typing import Any
 
 import anyio
 import pytest
@@ -35,7 +36,7 @@ async def points(robot: aioduco.Robot) -> None:
 async def test_what_is_checked_meanwhile_is_not_forgotten(
     robot: aioduco.Robot,
     bench: Bench,
-    ask: Callable[[aioduco.Robot], Awaitable[None]],
+    ask: Callable[[aioduco.Robot], Coroutine[Any, Any, None]],
     other: Envelope | None,
 ) -> None:
     """It is checked by the old one to the end, and the new one watches the arm."""
