@@ -87,7 +87,7 @@ def test_an_object_is_otherwise_as_it_was(robot: Any) -> None:
         assert type(raised.value) is AttributeError
         assert (raised.value.name, raised.value.obj) == ("movej3", one)
     assert not hasattr(robot, "movej2")
-    with pytest.raises(NotCopyable, match="a Servo cannot be copied"):
+    with pytest.raises(NotCopyable, match="Servo cannot be copied"):
         copy.copy(robot.servo)
 
 

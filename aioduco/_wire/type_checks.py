@@ -17,6 +17,7 @@ from numbers import Real
 from typing import Any, Final, TypeAlias
 
 from aioduco._wire.framing import TType
+from aioduco.models.numpy_on_use import is_scalar
 
 #: function that returns if the value fits, and else raises `TypeMismatch`
 Check: TypeAlias = Callable[[Any], None]
@@ -81,7 +82,7 @@ def _whole(bits: int) -> Check:
 def _double(value: Any) -> None:
     if type(value) is float and math.isfinite(value):
         return
-    number = value.item() if _is_numpy(value, "ndarray") and value.ndim == 0 else value
+    number = value.item() if is_scalar(value) else value
     try:
         fits = not isinstance(number, bool) and isinstance(number, Real) and math.isfinite(number)
     except OverflowError:  # a whole number too large for a double

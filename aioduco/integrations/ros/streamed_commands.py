@@ -56,6 +56,14 @@ class StreamedCommands:
         self._log = log
         self._said: dict[str, float] = {}
 
+    def _opened(self) -> None:
+        """Note that the stream is open."""
+        self.following = True
+
+    def _ended(self) -> None:
+        """Note that the stream has ended, so that the arm is free."""
+        self.following = False
+
     def allow(self) -> None:
         """Accept commands again: the arm was brought up or recovered."""
         self._blocked = False
