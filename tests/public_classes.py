@@ -19,15 +19,19 @@ _DEEPER = ("aioduco.sim.scene", "aioduco.integrations.gym.environment")
 _GROUPS = ("aioduco.devices", "aioduco.integrations", "aioduco.recording", "aioduco.testing")
 
 
+def named_on_pages() -> list[str]:
+    """What the pages of the reference document, by full name."""
+    texts = (page.read_text(encoding="utf-8") for page in sorted(_PAGES.rglob("*.md")))
+    return [place for text in texts for place in _NAMED.findall(text)]
+
+
 def _places() -> list[str]:
     tops = [module.name for module in pkgutil.iter_modules(aioduco.__path__, "aioduco.")]
     public = [name for name in tops if not name.startswith(("aioduco._", "aioduco.cli"))]
     for group in map(importlib.import_module, _GROUPS):
         inside = pkgutil.iter_modules(group.__path__, f"{group.__name__}.")
         public += [module.name for module in inside if module.ispkg]
-    texts = (page.read_text(encoding="utf-8") for page in sorted(_PAGES.rglob("*.md")))
-    pages = [place for text in texts for place in _NAMED.findall(text)]
-    return ["aioduco", *public, *_DEEPER, *pages]
+    return ["aioduco", *public, *_DEEPER, *named_on_pages()]
 
 
 @cache

@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from public_classes import named_on_pages
 
 ROOT = Path(__file__).parents[1] / "aioduco"
 
@@ -33,6 +34,10 @@ def modules() -> dict[str, ast.Module]:
         path.relative_to(ROOT).as_posix(): ast.parse(path.read_text(encoding="utf-8"))
         for path in sorted(ROOT.rglob("*.py"))
     }
+
+
+#: other modules whose names are public
+LISTED = {"robot.py", "sim/scene.py", "integrations/gym/environment.py", "supervision/events.py"}
 
 
 def lies_in(path: str, places: dict[str, str]) -> bool:
@@ -73,3 +78,40 @@ def test_no_more_than_two_modules_have_one_name() -> None:
         if not (lies_in(path, BY_SECTION) or Path(path).stem in {"__init__", "__main__"}):
             places[Path(path).stem].append(path)
     assert not {name: paths for name, paths in places.items() if len(paths) > 2}
+
+
+def own_names(tree: ast.Module) -> set[str]:
+    """The names that a module defines at its top."""
+    names: set[str] = set()
+    for node in tree.body:
+        if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+            names.add(node.name)
+        elif isinstance(node, ast.Assign | ast.AnnAssign):
+            names |= {each.id for each in ast.walk(node) if isinstance(each, ast.Name)}
+    return names
+
+
+def listed_names(tree: ast.Module) -> set[str] | None:
+    """What a module lists in `__all__`; None if it has no such list."""
+    for node in tree.body:
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__":
+            return set(ast.literal_eval(node.value))
+    return None
+
+
+def test_only_public_modules_list_their_names() -> None:
+    pages = (name.replace(".", "/") for name in named_on_pages())
+    on_pages = {f"{page}.py".partition("/")[2] for page in pages}
+    on_pages = {
+        f"{name.removeprefix('aioduco.').replace('.', '/')}.py" for name in named_on_pages()
+    }
+    needless = [
+        path
+        for path, tree in modules().items()
+        if not path.endswith("__init__.py")
+        and path not in on_pages | LISTED
+        and "generated" not in (ast.get_docstring(tree) or "").lower()
+        and (names := listed_names(tree)) is not None
+        and names <= own_names(tree)
+    ]
+    assert not needless

@@ -12,8 +12,6 @@ from aioduco._process.spawn import MARK, children, is_frozen
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["freeze_support"]
-
 
 def freeze_support() -> None:
     """Let a frozen program start the processes of this package, such as the guard.

@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from aioduco._wire.idl import Function
     from aioduco.errors import ConnectionLost
 
-__all__ = ["Call", "Carrier", "Channel", "LaneCall", "connect", "resolve"]
-
 
 @dataclass(slots=True, eq=False)
 class Call:

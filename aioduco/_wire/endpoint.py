@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
     from aioduco.models.trace import Trace
 
-__all__ = ["Address", "Endpoint", "Lookup", "Route"]
 
 #: an address of a host: family, kind, protocol, name, and what `connect` takes, as
 #: `socket.getaddrinfo` returns them

@@ -20,15 +20,6 @@ from aioduco.errors import (
 if TYPE_CHECKING:
     from aioduco._wire.idl import Function
 
-__all__ = [
-    "DeadlinePassed",
-    "Ended",
-    "failure",
-    "may_send_again",
-    "of_two",
-    "reason_of",
-    "resource_error",
-]
 
 #: resources that this computer refuses
 _WORDS: Final = {

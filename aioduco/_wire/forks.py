@@ -12,8 +12,6 @@ import os
 import weakref
 from typing import Any, Final
 
-__all__ = ["fork_hooks"]
-
 #: the objects that a child of this process would inherit. Their `forked` releases the resources in
 #: the child: the parent's threads do not run there, and a lock may be held by one of them.
 fork_hooks: Final = weakref.WeakSet[Any]()

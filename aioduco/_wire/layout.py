@@ -18,7 +18,6 @@ from aioduco._wire.framing import FIXED_WIDTHS, FORMATS, TType
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-__all__ = ["Layouts", "Reader", "packer"]
 
 #: maximum length of a reply whose layout is stored; a status has 1 kB
 _LONGEST: Final = 4096

@@ -17,7 +17,6 @@ from aioduco._process.platform import limits_sockets
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["disconnect", "is_silent", "send_at_once"]
 
 _FLAGS: Final = getattr(socket, "MSG_DONTWAIT", 0) | getattr(socket, "MSG_NOSIGNAL", 0)
 

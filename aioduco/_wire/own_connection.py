@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 
     from aioduco._wire.endpoint import Endpoint
 
-__all__ = ["OwnConnection"]
-
 
 class OwnConnection:
     """A connection of one thread at a time, opened again when a call needs it.

@@ -15,8 +15,6 @@ from aioduco.errors import WrongLoop, WrongProcess
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["OwnerLoop", "loop_callback"]
-
 
 class OwnerLoop:
     """The event loop that owns a lane, or a robot with all its lanes: the first one that uses it.

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from aioduco._wire.deadline_socket import DeadlineSocket
     from aioduco._wire.endpoint import Endpoint
 
-__all__ = ["PoolThread", "ThreadCalls"]
 
 #: seconds to wait for the end of a thread, which has nothing to wait for any more
 _JOIN_LIMIT: Final = 1.0

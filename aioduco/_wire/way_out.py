@@ -14,7 +14,6 @@ from aioduco._wire import idl
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["STANDSTILL", "WAY_OUT", "prepare"]
 
 #: functions that bring an arm to rest, and those that show whether it follows, moves or stands
 STANDSTILL: Final = ("stop", "robotmoving", "get_noneblock_taskstate", "get_robot_state")

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from aioduco.models.pose import JointsLike
     from aioduco.models.rules import Number
 
-__all__ = ["frames", "gains", "limits", "line", "outputs"]
-
 
 def limits(
     speed: Number, acceleration: Number, v: float, a: float, r: float

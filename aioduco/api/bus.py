@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from aioduco._wire.rpc import WireCall
     from aioduco.models.rules import BytesLike, Whole
 
-__all__ = ["Bus", "CanFrame"]
-
 
 class CanFrame(NamedTuple):
     """A frame that came over the CAN bus.

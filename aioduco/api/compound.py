@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from aioduco.models.rules import VectorLike
     from aioduco.models.weave import WeavePlane, WeaveShape
 
-__all__ = ["Compound"]
-
 
 class Compound(Section):
     """Combined motion (复合运动, manual 1.3.13): a weave laid over the motions that follow.

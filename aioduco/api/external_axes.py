@@ -41,7 +41,6 @@ if TYPE_CHECKING:
     from aioduco.models.version import ControllerVersion
     from aioduco.supervision.command import HeldMotion, MotionCommand
 
-__all__ = ["ExternalAxes"]
 
 #: time-out of calls that the controller answers only after it has switched drives [s]
 _SWITCHING = 10.0

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from aioduco.models.state import Vector
     from aioduco.supervision.command import MotionCommand
 
-__all__ = ["Force"]
 
 #: seconds within which the controller must have carried out a function that takes no time
 _LIMIT = 10.0

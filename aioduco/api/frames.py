@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from aioduco.models.pose import Pose, PoseLike
     from aioduco.models.rules import VectorLike
 
-__all__ = ["Frames"]
-
 
 class Frames(Section):
     """Tools (工具), work objects (工件坐标系) and loads (负载), manual 1.3.7.

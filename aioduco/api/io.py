@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     from aioduco.models.enums import OutputMode
     from aioduco.models.rules import Real, Whole
 
-__all__ = ["IO"]
-
 
 class IO(Section):
     """Inputs and outputs of the cabinet and of the tool (manual 1.3.7)."""

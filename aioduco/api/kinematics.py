@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from aioduco.models.pose import JointsLike, PoseLike
     from aioduco.models.state import Vector
 
-__all__ = ["Kinematics", "Reachability"]
 
 #: largest accepted distance between a pose and the pose of the joints computed for it [m, rad]:
 #: much more than rounding, much less than if the controller returned the joints unchanged

@@ -5,8 +5,6 @@ from __future__ import annotations
 from aioduco.api.section import Section
 from aioduco.models import ranges
 
-__all__ = ["Log"]
-
 
 class Log(Section):
     """The controller's log and its pendant (调试相关, manual 1.3.8)."""

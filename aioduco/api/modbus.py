@@ -12,8 +12,6 @@ from aioduco.models import ranges
 if TYPE_CHECKING:
     from aioduco.models.rules import Whole, WholesLike
 
-__all__ = ["Modbus"]
-
 
 class Modbus(Section):
     """Signals that the controller exchanges over Modbus (Modbus, manual 1.3.9).

@@ -5,8 +5,6 @@ from __future__ import annotations
 from aioduco._wire.rpc import calls
 from aioduco.api.section import Section
 
-__all__ = ["Optimization"]
-
 
 class Optimization(Section):
     """How motions are optimized (运动优化函数, manual 1.3.11).

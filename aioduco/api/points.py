@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from aioduco.models.pose import Joints, Pose
     from aioduco.models.rules import Integer
 
-__all__ = ["listed", "points_with_outputs"]
 
 T = TypeVar("T")
 

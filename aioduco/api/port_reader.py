@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
     from anyio.abc import AsyncResource
 
-__all__ = ["PortReader"]
 
 #: how anyio says that the other side has ended the connection
 _ENDS: Final = (anyio.EndOfStream, anyio.IncompleteRead, anyio.BrokenResourceError)

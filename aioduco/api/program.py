@@ -12,8 +12,6 @@ from aioduco.models.enums import FileKind
 if TYPE_CHECKING:
     from aioduco.supervision.command import MotionCommand
 
-__all__ = ["Program"]
-
 
 class Program(Section):
     """Programs and files of the controller (脚本控制, manual 1.3.4).

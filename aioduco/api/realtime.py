@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from aioduco.streaming.endpoint import StreamEndpoint
     from aioduco.supervision.supervisor import Supervisor
 
-__all__ = ["Realtime"]
 
 _ENDING = "end_realtime_mode"
 

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-__all__ = ["Registers"]
-
 
 class Registers(Section):
     """Registers (寄存器) and global variables (系统变量) of the controller (manual 1.3.7).

@@ -46,13 +46,6 @@ if TYPE_CHECKING:
     from aioduco.supervision.task_command import Aim
     from aioduco.supervision.task_state import JointEta
 
-__all__ = [
-    "JOG_TIME",
-    "Section",
-    "check_finished",
-    "checked_task_id",
-    "new_errors",
-]
 
 T = TypeVar("T")
 

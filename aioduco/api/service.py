@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from aioduco.models.rules import Real, VectorLike, Whole
     from aioduco.models.state import Vector
 
-__all__ = ["Service"]
-
 
 class Service(Section):
     """Functions of the factory and of service technicians. None of them is in the manual.

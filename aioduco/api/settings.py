@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from aioduco.models.pose import Joints
     from aioduco.models.rules import Real, Whole
 
-__all__ = ["Settings"]
 
 #: seconds within which the controller must have switched to its simulation or back
 _LIMIT = 10.0

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from aioduco.models.pose import Joints, Pose
     from aioduco.models.state import IOStatus, RobotStates, RobotStatus, Vector
 
-__all__ = ["State"]
-
 
 class State(Section):
     """State of the arm and of the controller (manual 1.3.7, 1.3.8).

@@ -14,7 +14,6 @@ from aioduco.supervision.concurrency import every
 if TYPE_CHECKING:
     from aioduco.models.enums import OperationMode
 
-__all__ = ["System"]
 
 #: how often a controller that starts anew is asked [s]
 _LOOK_EVERY: Final = 0.1

@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from aioduco.supervision.command import MotionCommand
     from aioduco.supervision.supervisor import Supervisor
 
-__all__ = ["Track"]
 
 _Kind: TypeAlias = type[Joints] | type[Pose]
 _RULES = {Joints: ranges.TRACK_JOINTS, Pose: ranges.TRACK_POSES, None: ranges.TRACK_POINTS}

@@ -9,8 +9,6 @@ from aioduco.api.section import Section
 if TYPE_CHECKING:
     from aioduco.models.version import ControllerVersion
 
-__all__ = ["RobotType", "Version"]
-
 
 class RobotType(NamedTuple):
     """Type of the arm (get_robot_type).

@@ -45,7 +45,6 @@ from aioduco.cli.view import view
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["app", "app_for"]
 
 app: typer.Typer = typer.Typer(
     name="aioduco",

@@ -12,8 +12,6 @@ from aioduco.cli.exit_codes import ended_by_errors, writing
 from aioduco.cli.options import require_writable
 from aioduco.cli.output import say
 
-__all__ = ["calibrate"]
-
 
 def calibrate(
     recordings: Annotated[

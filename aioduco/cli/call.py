@@ -17,8 +17,6 @@ from aioduco.cli.questions import ask
 from aioduco.cli.sessions import limits_at
 from aioduco.models.similar import did_you_mean
 
-__all__ = ["call", "function_of"]
-
 
 def _functions(incomplete: str) -> list[str]:
     """Names of functions, for the shell's completion."""

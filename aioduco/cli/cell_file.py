@@ -12,7 +12,6 @@ from aioduco.cli.options import wrong_option
 if TYPE_CHECKING:
     from aioduco import Cell
 
-__all__ = ["RobotName", "is_cell", "load_cell", "simulated_parts"]
 
 RobotName: TypeAlias = Annotated[
     str | None,

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
     from aioduco.cli.measuring import Extent
 
-__all__ = ["check"]
-
 
 def check(
     context: typer.Context,

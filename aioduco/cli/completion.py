@@ -10,8 +10,6 @@ import typer
 
 from aioduco.cli.output import say
 
-__all__ = ["completion"]
-
 
 class Shell(enum.StrEnum):
     """Supported shells."""

@@ -12,8 +12,6 @@ from aioduco.cli.addresses import CellFile, Host, Port, robot_at
 from aioduco.cli.exit_codes import ended_by_errors, writing
 from aioduco.cli.options import require_writable
 
-__all__ = ["doctor"]
-
 
 def doctor(
     host: Host = None,

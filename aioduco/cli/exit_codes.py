@@ -13,20 +13,6 @@ if TYPE_CHECKING:
     from pathlib import Path
     from types import FrameType
 
-__all__ = [
-    "FAILED",
-    "NOT_CONFIRMED",
-    "PERSON_NEEDED",
-    "SIGNALLED",
-    "STOP_UNCONFIRMED",
-    "USAGE",
-    "Terminated",
-    "ended_by_errors",
-    "fail",
-    "failing",
-    "write_file",
-    "writing",
-]
 
 #: the command failed; the message says why
 FAILED: Final = 1

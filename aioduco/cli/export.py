@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from aioduco.descriptions.moveit_files import RosDistro
     from aioduco.kinematics.mounting import MountingLike
 
-__all__ = ["export"]
-
 
 class Format(enum.StrEnum):
     """Formats that can be exported."""

@@ -13,7 +13,6 @@ from aioduco.models.similar import did_you_mean
 if TYPE_CHECKING:
     from aioduco.kinematics import Arm
 
-__all__ = ["arm", "need"]
 
 _BRINGS = {
     "sim": ("mujoco",),

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
     from aioduco.integrations.fleet import FleetGateway, FleetSettings, FleetStop, FleetView
 
-__all__ = ["fleet"]
 
 fleet: typer.Typer = typer.Typer(
     help="The arms of several computers: serve, see and stop them.", no_args_is_help=True

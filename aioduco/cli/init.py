@@ -19,8 +19,6 @@ from aioduco.cli.options import wrong_option
 from aioduco.cli.output import say
 from aioduco.models.address import parse_address
 
-__all__ = ["init"]
-
 #: the files of a project, as texts with $ before what is filled in: in the folder `project`
 _FILES: Final = (
     "cell.toml", "main.py", "test_main.py", "requirements.txt", ".github/workflows/checks.yml",

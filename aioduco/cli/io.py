@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from aioduco.models.state import IOStatus
     from aioduco.sync import Robot
 
-__all__ = ["io"]
 
 io: typer.Typer = typer.Typer(
     no_args_is_help=True, help="Read inputs and outputs, and set outputs."

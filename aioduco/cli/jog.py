@@ -17,7 +17,6 @@ from aioduco.cli.questions import SAFE, ask
 if TYPE_CHECKING:
     from aioduco.models.jog import JogDirections
 
-__all__ = ["jog"]
 
 _JOINT = re.compile(r"j([1-6])")
 _DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from aioduco.models.pose import Pose
     from aioduco.robot import Robot
 
-__all__ = ["Extent", "measure"]
 
 #: samples of the state per second, and reads of the torques [Hz]
 _RATE: Final = 125.0

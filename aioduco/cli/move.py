@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from aioduco.models.enums import Outcome
     from aioduco.sync import Robot
 
-__all__ = ["carry_out", "move", "ready_arm"]
 
 Six: TypeAlias = tuple[float, float, float, float, float, float]
 

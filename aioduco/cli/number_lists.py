@@ -10,8 +10,6 @@ import typer
 if TYPE_CHECKING:
     from aioduco.kinematics.mounting import MountingLike
 
-__all__ = ["Mounting", "mounting_option", "numbers"]
-
 
 class Mounting(enum.StrEnum):
     """Where the arm is mounted."""

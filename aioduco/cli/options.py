@@ -15,21 +15,6 @@ from aioduco.models.address import WrongAddress
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = [
-    "WITH_NUMBERS",
-    "Duration",
-    "Guide",
-    "Json",
-    "MountingOption",
-    "Pedestal",
-    "SceneFile",
-    "ToolFile",
-    "Yes",
-    "refuse_unused",
-    "require_readable",
-    "require_writable",
-    "wrong_option",
-]
 
 #: settings of a command with numbers among its arguments: a negative one is no option
 WITH_NUMBERS: Final = {"ignore_unknown_options": True}

@@ -24,19 +24,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from types import TracebackType
 
-__all__ = [
-    "OutputFailed",
-    "drop_unwritten",
-    "ended_by_output",
-    "guard_streams",
-    "one_line",
-    "plain",
-    "print_json",
-    "say",
-    "shown",
-    "written",
-]
-
 
 class OutputFailed(Exception):
     """The standard output cannot be written: its disk is full, or nobody reads it any more.

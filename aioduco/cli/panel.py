@@ -23,7 +23,6 @@ from aioduco.errors import DucoError
 if TYPE_CHECKING:
     from aioduco.integrations.panel import Panel
 
-__all__ = ["panel"]
 
 _TOKEN = "AIODUCO_PANEL_TOKEN"
 _SHORTEST = 12

@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from aioduco.recording.playback import WaypointFile
     from aioduco.sync import Robot
 
-__all__ = ["payload"]
 
 #: readings at a pose, and seconds between two
 _READINGS, _EVERY = 50, 0.02

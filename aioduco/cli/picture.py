@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 
     Picture = NDArray[np.uint8]
 
-__all__ = ["KINDS", "save"]
 
 #: suffixes of files that can be written
 KINDS = (".gif", ".png")

@@ -17,8 +17,6 @@ from aioduco.cli.output import say
 if TYPE_CHECKING:
     from aioduco.recording.playback import RecordedPath, WaypointFile
 
-__all__ = ["play"]
-
 
 def play(
     context: typer.Context,

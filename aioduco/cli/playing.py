@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from aioduco.envelope import Envelope
     from aioduco.sync import Robot
 
-__all__ = ["PlayedFile"]
 
 #: speed of the joint that turns farthest, on the way to the start of a recording [rad/s]
 _APPROACH = 0.3

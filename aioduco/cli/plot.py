@@ -14,8 +14,6 @@ from aioduco.cli.options import refuse_unused, require_writable
 from aioduco.cli.output import say
 from aioduco.models.toml_files import read_text
 
-__all__ = ["plot"]
-
 _NOTHING_TO_DRAW = "it is neither a recording, .mcap, nor a file of StreamStatistics.save"
 
 

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from aioduco.cli.safe_console import SafeConsole
     from aioduco.testing.preflight import PreflightReport, PreflightSettings
 
-__all__ = ["preflight"]
 
 FOUND, NOT_RUN = 1, 2
 

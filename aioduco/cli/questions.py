@@ -7,8 +7,6 @@ import typer
 from aioduco.cli.exit_codes import NOT_CONFIRMED, fail
 from aioduco.cli.output import say, shown
 
-__all__ = ["SAFE", "ask", "typed_line"]
-
 #: what a person must ensure before an arm moves
 SAFE = (
     "No path is checked for obstacles. Is everyone out of reach, and someone at the emergency stop?"

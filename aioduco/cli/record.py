@@ -14,8 +14,6 @@ from aioduco.cli.options import Duration, require_writable
 from aioduco.cli.output import say
 from aioduco.cli.sessions import observing_session, wait_until_ended
 
-__all__ = ["playable", "record"]
-
 #: entries up to which a recording is read back at its end: some 3 s
 _READ_BACK = 100_000
 

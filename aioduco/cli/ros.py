@@ -13,7 +13,6 @@ from aioduco.cli.exit_codes import ended_by_errors, fail
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
-__all__ = ["ros1", "ros2"]
 
 #: Python packages that the node of ROS 1 needs; Debian's that have them are named like them
 _ROS1 = (

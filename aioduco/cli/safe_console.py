@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 
     from rich.console import ConsoleOptions, RenderableType
 
-__all__ = ["SafeConsole"]
-
 
 class SafeConsole(Console):
     """A console of rich in which no text has control characters or markup; styles are arguments.

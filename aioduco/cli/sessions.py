@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from aioduco.envelope import Envelope
     from aioduco.sync import Robot
 
-__all__ = ["control_session", "limits_at", "observing_session", "wait_until_ended"]
 
 #: seconds between two checks whether the work has ended
 _LOOK: Final = 0.1

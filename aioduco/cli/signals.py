@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Iterable, Iterator
     from types import FrameType
 
-__all__ = ["end_signals", "handled", "receive_signals", "termination_signals", "wakeup_socket"]
-
 
 def termination_signals() -> tuple[signal.Signals, ...]:
     """SIGTERM, and SIGHUP: the terminal was closed.

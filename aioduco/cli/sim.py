@@ -24,8 +24,6 @@ from aioduco.models.host_port import host_port
 if TYPE_CHECKING:
     from aioduco.sim.server.generations import Generation
 
-__all__ = ["sim"]
-
 
 def sim(
     model: Annotated[

@@ -10,8 +10,6 @@ import typer
 from aioduco.cli.exit_codes import fail
 from aioduco.cli.output import say
 
-__all__ = ["control_port_of", "sim_do"]
-
 _HOST = "127.0.0.1"
 _ABOVE = 10_000
 _PATIENCE = 10.0  # [s]

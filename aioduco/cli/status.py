@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from aioduco.models.state import RobotStates, RobotStatus
     from aioduco.sync import Robot
 
-__all__ = ["degrees", "joints_line", "look", "pose_line", "states_line", "status"]
-
 
 def status(
     host: Host = None,

@@ -18,8 +18,6 @@ from aioduco.supervision.operator_stop import stop_arm
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["PlainStop", "plain_stop", "stop_at"]
-
 
 class PlainStop(NamedTuple):
     """A stop that was asked for.

@@ -14,7 +14,6 @@ from aioduco.streaming.shared.block import HISTOGRAMS
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["plot"]
 
 _PERCENTILES = (("p50", "p50"), ("p99", "p99"), ("p99.9", "p999"), ("max", "max"))
 

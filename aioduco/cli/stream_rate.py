@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from aioduco.streaming.report import StreamStatistics
     from aioduco.streaming.shared.histogram import Percentiles
 
-__all__ = ["RATES", "Examination", "examine"]
 
 #: how both workers run; nothing moves, so a worker that stood still need not end
 _OPTIONS = WorkerOptions(watch=0, away_limit=60.0)

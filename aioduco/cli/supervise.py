@@ -19,7 +19,6 @@ from aioduco.cli.sessions import observing_session
 if TYPE_CHECKING:
     from aioduco import RecoverReport
 
-__all__ = ["bring_up", "pause", "recover", "resume", "stop"]
 
 Json = Annotated[bool, typer.Option("--json", help="Print the states afterwards as JSON.")]
 Timeout = Annotated[

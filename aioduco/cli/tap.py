@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 
     from aioduco.recording.tap import TapNote, TappedCall
 
-__all__ = ["tap"]
-
 
 def tap(
     host: Host = None,

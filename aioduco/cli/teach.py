@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from aioduco.recording.playback import WaypointFile
     from aioduco.sync import Robot
 
-__all__ = ["teach"]
 
 _END = "q"
 

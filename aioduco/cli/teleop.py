@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from aioduco.devices.teleoperation import InputDevice, TeleopScale
     from aioduco.sync import Robot
 
-__all__ = ["teleop"]
-
 
 class DeviceName(enum.StrEnum):
     """Device that leads the arm."""

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from aioduco.models.pose import Pose
     from aioduco.sync import Robot
 
-__all__ = ["tool"]
 
 tool: typer.Typer = typer.Typer(no_args_is_help=True, help="Measure the tool at the flange.")
 

@@ -36,7 +36,6 @@ if TYPE_CHECKING:
     from aioduco.sim.twin import Twin, TwinLimits
     from aioduco.sync._generated_objects import Twin as BlockingTwin
 
-__all__ = ["twin"]
 
 #: exit status if the arm and its twin have parted
 PARTED = 6

@@ -12,8 +12,6 @@ from aioduco.cli.exit_codes import fail
 from aioduco.cli.options import Duration
 from aioduco.cli.sessions import observing_session, wait_until_ended
 
-__all__ = ["view"]
-
 
 def view(
     host: Host = None,

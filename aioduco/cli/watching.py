@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from aioduco.sim.view.film import Film, Frame
     from aioduco.sim.view.viewer import Viewer
 
-__all__ = ["SimulatorWatch"]
 
 _LOOK = 0.05  # simulated time between two frames of a film [s]
 _SHOW = 1 / 30  # time between two pictures in a window [s]

@@ -8,8 +8,6 @@ from pathlib import Path
 
 from aioduco.compat._runner import run
 
-__all__ = ["main"]
-
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the program that the command line names.

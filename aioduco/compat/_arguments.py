@@ -22,7 +22,6 @@ from aioduco.errors import ParameterError
 if TYPE_CHECKING:
     from aioduco._wire.rpc import Op
 
-__all__ = ["no_fixed_radius", "wire_arguments"]
 
 _Convert: TypeAlias = Callable[[Any], Any]
 

@@ -16,8 +16,6 @@ from aioduco.errors import (
     NotSent,
 )
 
-__all__ = ["ENUMS", "as_thrift"]
-
 
 def _enum(name: str, values: dict[str, int]) -> Any:
     """Make a class of whole numbers with Thrift's two tables, as its compiler does for Python."""

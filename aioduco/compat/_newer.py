@@ -12,8 +12,6 @@ from typing import Any
 from aioduco._wire.rpc import MoveJogTaskParam as _MoveJogTaskParam
 from aioduco.compat._generated import ManualFunctions
 
-__all__ = ["MoveJogTaskParam", "NewerFunctions"]
-
 
 class NewerFunctions(ManualFunctions):
     """Functions of manual 4.3 that take no arguments."""

@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from pathlib import Path
     from types import ModuleType
 
-__all__ = ["VendorModules", "run"]
 
 _STRUCTS: Final = (
     *("EAxisParam", "EAxisSchemeParam", "EAxissInfo", "IOStatus", "MoveJogTaskParam", "Op"),

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from aioduco.descriptions.tree import ArmTree, LinkDescription
     from aioduco.models.rotation import Array
 
-__all__ = ["SAMPLES", "LinkPair", "disabled_pairs", "pair_distances"]
 
 SAMPLES = 10_000
 """Configurations that are tried."""

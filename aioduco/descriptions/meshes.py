@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from aioduco.kinematics.looks import Faces
     from aioduco.models.rotation import Array
 
-__all__ = ["find_meshes", "own_meshes", "stl"]
 
 #: a triangle of a binary STL
 _TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])

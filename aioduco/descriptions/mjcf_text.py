@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from aioduco.kinematics.looks import Look
     from aioduco.models.rotation import Array
 
-__all__ = ["mjcf_scene", "mjcf_text"]
 
 #: frames that become sites; `attachment_site` is the name of the tool's place in Menagerie's arms
 _SITES = {"tool0": ("tool0", "attachment_site"), "tcp": ("tcp",)}

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
     from aioduco.descriptions.tree import ArmTree
 
-__all__ = ["RosDistro", "moveit_files"]
 
 RosDistro: TypeAlias = Literal["noetic", "humble", "jazzy"]
 """Release of ROS: noetic has MoveIt 1, and Melodic takes its files, too; the others name the steps

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 
     from aioduco.descriptions.tree import ArmTree
 
-__all__ = ["END_EFFECTOR", "GROUP", "srdf_text"]
 
 GROUP = "manipulator"
 """The group of an arm's joints, after its prefix."""

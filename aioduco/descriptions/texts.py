@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
     from aioduco.descriptions.tree import ArmTree
 
-__all__ = ["ArmLike", "mesh_files", "mjcf", "moveit", "srdf", "urdf"]
 
 ArmLike: TypeAlias = str | Arm | ArmDescription
 """A model, such as "gcr5_910", an arm with numbers of its own, or one with prefix and tool."""

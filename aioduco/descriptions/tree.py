@@ -28,16 +28,6 @@ if TYPE_CHECKING:
     from aioduco.kinematics.mounting import MountingLike
     from aioduco.models.rotation import Array
 
-__all__ = [
-    "STATES",
-    "WORD",
-    "WORLD",
-    "ArmDescription",
-    "ArmTree",
-    "JointDescription",
-    "LinkDescription",
-    "ToolDescription",
-]
 
 WORLD = "world"
 """The link that arms are mounted in."""

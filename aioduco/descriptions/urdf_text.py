@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from aioduco.descriptions.tree import ArmTree, JointDescription, LinkDescription
     from aioduco.models.rotation import Array
 
-__all__ = ["urdf_text"]
-
 
 def urdf_text(name: str, trees: Sequence[ArmTree], meshes: Mapping[str, Mapping[str, str]]) -> str:
     """Return the URDF of some arms in one world.

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
     from aioduco.envelope.zones import Point
 
-__all__ = ["BESIDE", "SLOW_SHARE", "STOPPING", "EnvelopeChecker", "Tip"]
 
 Tip: TypeAlias = "Sequence[float]"
 """The tool's tip in the base frame: its rotation matrix by rows, then x, y, z [m]. Shape (12,)."""

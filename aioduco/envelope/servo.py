@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
 
-__all__ = ["SERVO", "braking", "check_servo", "servo_target", "servo_ways"]
 
 #: by function of the wire: the indices of tool and work object among its arguments. Its first three
 #: arguments are the target, the speed and the acceleration

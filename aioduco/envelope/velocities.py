@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
 
-__all__ = ["VELOCITIES", "Ahead", "is_step", "slower_velocity", "velocity_way"]
 
 VELOCITIES = ("speedj", "speedl", "move_jog")
 #: speeds of a jog at 100 %: of a joint, of the tool and of its turning. The manual does not say;

@@ -32,19 +32,6 @@ if TYPE_CHECKING:
     #: number of steps of the path
     _Poses = tuple[Callable[[Sequence[float]], Array], int]
 
-__all__ = [
-    "POINTS",
-    "WAYS",
-    "Start",
-    "Way",
-    "check_way",
-    "cut_corner",
-    "joint_way",
-    "line_way",
-    "points_of",
-    "polyline",
-    "way_of",
-]
 
 #: by function of the wire: the indices of speed, blend radius, tool and work object among its
 #: arguments; and whether the speed is in percent

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-__all__ = ["BodyZonePairs", "CheckedZone", "Point"]
 
 Point: TypeAlias = tuple[float, float, float]
 _Margin: TypeAlias = "Callable[[float, float, float], float]"

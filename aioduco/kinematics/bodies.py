@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from aioduco.kinematics.arm import Arm
     from aioduco.models.rotation import Array
 
-__all__ = ["ROTOR", "Body", "Capsule", "bodies", "cylinder_inertia"]
 
 ROTOR = 0.002
 """Inertia of a drive's rotor, seen through its gear, per torque [kg m²/(N m)].

@@ -13,8 +13,6 @@ from aioduco.kinematics.arm import Arm
 from aioduco.kinematics.geometry import LENGTHS, Geometry
 from aioduco.models.words import one_of
 
-__all__ = ["arm", "model_named", "models", "same_arm"]
-
 
 @cache
 def _data() -> dict[str, Any]:

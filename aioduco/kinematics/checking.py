@@ -21,7 +21,6 @@ from aioduco.models.rules import Number
 if TYPE_CHECKING:
     from aioduco.models.pose import JointsLike, PoseLike
 
-__all__ = ["Finding", "PointReport", "Problem", "check"]
 
 _MOST_TURN = Number(0.0, unit="rad", open_low=True, source="this package")
 #: distance from a singularity below which a point is reported, see `Singularity`

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from aioduco.kinematics.geometry import Geometry
     from aioduco.models.rotation import Array
 
-__all__ = ["fkine", "frames", "jacobian", "singular_values"]
-
 
 _BASE = np.eye(4)
 _BASE.flags.writeable = False

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-__all__ = ["LENGTHS", "DhCorrections", "Geometry"]
-
 LENGTHS = ("d1", "d2", "a2", "a3", "d5", "d6")
 """The six lengths of `Geometry`, in order."""
 

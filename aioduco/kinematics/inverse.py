@@ -24,19 +24,6 @@ from aioduco.models.rotation import Array, rotvec_from_matrix
 if TYPE_CHECKING:
     from aioduco.kinematics.geometry import Geometry
 
-__all__ = [
-    "BRANCHES",
-    "EDGE",
-    "NEAR_WRIST",
-    "REACH",
-    "ROUNDING",
-    "WRIST",
-    "closed_form",
-    "refine",
-    "residual",
-    "shortfall",
-    "wrap",
-]
 
 BRANCHES = 8
 """Solutions of a pose, since shoulder, elbow and wrist have two each.

@@ -13,7 +13,6 @@ from aioduco.models.pose import Pose
 if TYPE_CHECKING:
     from aioduco.models.rotation import Array
 
-__all__ = ["bound", "nearest_rotation", "rigid_frames"]
 
 _RIGID = 1e-3  # largest error of a rotation matrix
 #: 0.95 quantiles of Fisher's F for 1 and 3 numbers, and the degrees of freedom with which their

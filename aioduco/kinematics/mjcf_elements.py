@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from aioduco.kinematics.bodies import Capsule
     from aioduco.models.rotation import Array
 
-__all__ = ["drive", "inertial", "numbers", "placed", "shape", "surround"]
 
 _FREQUENCY = 2 * math.pi * 25  # natural frequency of a drive that moves only its own rotor [rad/s]
 

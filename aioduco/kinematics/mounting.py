@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from aioduco.kinematics.arm import Arm
     from aioduco.models.rotation import Array
 
-__all__ = ["GRAVITY", "MountingLike", "base_in_world", "gravity"]
 
 GRAVITY = 9.81
 """Acceleration of gravity [m/s²]."""

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
     from aioduco.models.rules import VectorLike
 
-__all__ = ["MeasuredLoad", "identify_load_by_forces", "identify_load_by_torques"]
 
 MIN_POSES = 6
 _DOWN = (0.0, 0.0, -GRAVITY)

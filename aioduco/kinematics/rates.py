@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 
     from aioduco.kinematics.geometry import Geometry
 
-__all__ = ["ArmRates"]
 
 Triple: TypeAlias = tuple[float, float, float]
 

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
     from aioduco.kinematics.geometry import Geometry
 
-__all__ = ["Configuration", "Rows", "nearest_turns", "pose_error", "solutions"]
 
 Configuration: TypeAlias = tuple[float, float, float, float, float, float]
 """Six joint angles [rad]."""

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from aioduco.models.pose import PoseLike
     from aioduco.models.rotation import Array
 
-__all__ = ["ToolAxes", "ToolTip", "calibrate_tool_axes", "calibrate_tool_tip"]
 
 _MIN_TOUCHES = 4  # three determine the tip, and the fourth verifies it
 _MIN_TURN = 0.2  # smallest root mean square of how far the touches turn the tool [rad]

@@ -11,8 +11,6 @@ from typing import IO, TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-__all__ = ["whole_file", "write_whole"]
-
 
 @contextmanager
 def whole_file(

@@ -46,17 +46,6 @@ if TYPE_CHECKING:
     from aioduco.supervision.events import Event
     from aioduco.supervision.state_feed import Snapshot
 
-__all__ = [
-    "ANGLE",
-    "FORCE",
-    "LENGTH",
-    "QUATERNION",
-    "SPEED",
-    "FileChannels",
-    "MessageChannels",
-    "ServerChannels",
-    "plain",
-]
 
 # Powers of two: so the lower bits of each number are zeros, which compress well.
 #: steps per rad of recorded angles: a step is 7.6 µrad, at a reach of 1 m a third of the

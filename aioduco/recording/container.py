@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from pathlib import Path
     from typing import BinaryIO
 
-__all__ = ["McapChannel", "McapFile", "McapMessage", "McapSchema"]
 
 MAGIC: Final = b"\x89MCAP0\r\n"
 HEADER, SCHEMA, CHANNEL, MESSAGE, CHUNK, METADATA, DATA_END = 1, 3, 4, 5, 6, 0x0C, 0x0F

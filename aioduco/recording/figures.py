@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
     from aioduco.recording.run import RecordedRun
 
-__all__ = ["DrawnCurve", "DrawnPanel", "draw_page", "draw_png", "panels"]
 
 #: maximum points of a curve on a page; of more points, the lowest and the highest of each stretch
 #: are drawn

@@ -10,7 +10,6 @@ from aioduco.errors import DucoError, RecordingError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["of_any_maker"]
 
 P = ParamSpec("P")
 T = TypeVar("T")

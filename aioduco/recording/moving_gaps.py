@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["MAX_GAP", "MOVED", "MovingGaps"]
 
 #: time between two samples of a moving arm [s] from which on it is a gap: a curve through them is
 #: off by less than 0.1 mrad up to there, at a jerk of 100 rad/s³

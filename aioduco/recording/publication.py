@@ -15,8 +15,6 @@ from aioduco.recording.writer import PublicationWriter
 if TYPE_CHECKING:
     from aioduco.supervision.supervisor import Supervisor
 
-__all__ = ["Publication", "PublicationStatistics"]
-
 
 class PublicationStatistics(NamedTuple):
     """Figures of a publication.

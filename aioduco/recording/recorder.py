@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from aioduco.supervision.supervisor import Supervisor
     from aioduco.supervision.task import Task
 
-__all__ = ["Recording", "RecordingStatistics", "RobotObserver"]
 
 _log = BackgroundLogger(__name__)
 

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
     from aioduco.recording.container import McapMessage
 
-__all__ = ["RecordedMessage", "RecordedRun", "read"]
 
 #: longest message of JSON [bytes]; its values take many times as much
 _LONGEST: Final = 1 << 24

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
     Channels = Iterable[tuple[str, dict[str, NDArray[Any]]]]
 
-__all__ = ["columns", "write_csv", "write_parquet"]
-
 
 def columns(arrays: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any] | list[str]]:
     """Make a column for each number: "position", shape (n, 6), gives "position_1" to "position_6".

@@ -33,7 +33,6 @@ if TYPE_CHECKING:
 
     from aioduco.recording.channels import FileChannels, MessageChannels, ServerChannels
 
-__all__ = ["FLUSH_EVERY", "MessageWriter", "PublicationWriter", "RecordingWriter"]
 
 _log = BackgroundLogger(__name__)
 

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from aioduco.supervision.motion_sources import Modes, OpenStream
     from aioduco.supervision.supervisor import Supervisor
 
-__all__ = ["StreamEndpoint"]
-
 
 @dataclass(frozen=True, slots=True)
 class StreamEndpoint:

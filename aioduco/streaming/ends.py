@@ -23,7 +23,6 @@ from aioduco.streaming.shared.words import Reason
 if TYPE_CHECKING:
     from aioduco.errors import DucoError
 
-__all__ = ["failure"]
 
 _BRAKED = "the stream was ended by its program; the arm was braked"
 _STARVED = (

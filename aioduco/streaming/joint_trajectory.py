@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
     from aioduco.streaming.report import StreamStatistics
 
-__all__ = ["Feedback", "JointTrajectory", "Tolerances", "TrajectoryResult"]
 
 _DISTANCE = Number(0.0, unit="rad", source="this package")
 _DISTANCES = Vector(_DISTANCE, length=6)

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from aioduco.streaming.shared.block import Block
     from aioduco.streaming.shared.words import Reason, StreamState
 
-__all__ = ["MEANINGS", "StreamStatistics", "times_table"]
 
 #: what each histogram measures
 MEANINGS = {

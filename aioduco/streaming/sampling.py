@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
     from aioduco.streaming.shared.space import Space
 
-__all__ = ["Spline", "instants", "numbers", "sampled"]
 
 #: largest number of set-points of one trajectory: 5.5 hours at 500 Hz, half a gigabyte
 _MOST_INSTANTS = 10_000_000

@@ -52,7 +52,6 @@ if TYPE_CHECKING:
     from aioduco.streaming.shared.config import WorkerConfig
     from aioduco.supervision.gate import Permit
 
-__all__ = ["Session"]
 
 _HALTED = 2.0  # seconds within which a halted worker must end
 _KILLED = 1.0  # seconds within which a killed process must end

@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Self
 
-__all__ = ["Tick", "Ticks"]
-
 
 class Tick(NamedTuple):
     """One tick of a program's loop.

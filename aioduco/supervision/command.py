@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from aioduco.supervision.task import Task
     from aioduco.supervision.task_command import Command
 
-__all__ = ["HeldMotion", "MotionCommand", "check_motions"]
-
 
 class MotionCommand(Uncopied):
     """A motion as a value: checked, but not sent. It moves the arm when it is awaited or started.

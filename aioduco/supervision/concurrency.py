@@ -43,17 +43,6 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Coroutine
     from typing import Self
 
-__all__ = [
-    "GRID",
-    "Alarm",
-    "BackgroundTasks",
-    "DaemonThread",
-    "Silence",
-    "Ticker",
-    "every",
-    "on_grid",
-    "run_to_completion",
-]
 
 #: time between two moments of `on_grid` [s]
 GRID = 0.002

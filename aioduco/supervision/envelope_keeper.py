@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from aioduco.supervision.task import Task
     from aioduco.supervision.task_command import Command
 
-__all__ = ["EnvelopeKeeper"]
 
 _NOWHERE = (math.nan, math.nan, math.nan)
 #: slowest joint and tool speed that the wire accepts [rad/s, m/s], and percent

@@ -41,7 +41,6 @@ if TYPE_CHECKING:
     from aioduco.supervision.state_feed import Snapshot, StateFeed
     from aioduco.supervision.stop_coordinator import StopCoordinator
 
-__all__ = ["EnvelopeWatch"]
 
 _log = BackgroundLogger(__name__)
 

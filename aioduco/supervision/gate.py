@@ -39,7 +39,6 @@ if TYPE_CHECKING:
 
     from aioduco.errors import DucoError
 
-__all__ = ["Gate", "Permit", "PermitEnding"]
 
 #: seconds for which an arm must be seen to stand until a resumed motion counts as over: it may not
 #: have begun to move

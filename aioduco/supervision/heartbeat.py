@@ -43,12 +43,6 @@ if TYPE_CHECKING:
     from aioduco._wire.own_connection import OwnConnection
     from aioduco.supervision.loop_watchdog import Liveness
 
-__all__ = [
-    "Heartbeat",
-    "HeartbeatMachine",
-    "HeartbeatState",
-    "HeartbeatStatistics",
-]
 
 _log = BackgroundLogger(__name__)
 

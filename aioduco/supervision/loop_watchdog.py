@@ -27,14 +27,6 @@ if TYPE_CHECKING:
     from aioduco.supervision.concurrency import Ticker
 
 
-__all__ = [
-    "Liveness",
-    "LoopWatchdog",
-    "blocking_calls",
-    "keep_alives",
-    "watchdogs",
-]
-
 _log = BackgroundLogger(__name__)
 
 #: keep-alives of an event loop per stall limit, and the longest time between two [s]

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from aioduco.supervision.permits import Permits
     from aioduco.supervision.task import Task
 
-__all__ = ["MotionPath"]
-
 
 class MotionPath(Uncopied):
     """A path of motions that blend, tied to a block. `robot.motion.path` makes it.

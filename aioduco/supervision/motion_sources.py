@@ -34,7 +34,6 @@ if TYPE_CHECKING:
     from aioduco.supervision.gate import PermitEnding
     from aioduco.supervision.stop_channel import StopChannel
 
-__all__ = ["TRACK_POOL", "ModeEnding", "Modes", "OpenStream"]
 
 _log = BackgroundLogger(__name__)
 

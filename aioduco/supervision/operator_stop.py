@@ -26,8 +26,6 @@ from aioduco.supervision.stop_channel import FIRST_ATTEMPT, StopChannel
 if TYPE_CHECKING:
     from aioduco.models.state import RobotStates
 
-__all__ = ["stop_arm"]
-
 
 async def stop_arm(
     host: str,

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
     from aioduco.supervision.gate import Gate, Permit
 
-__all__ = ["Permits"]
 
 #: seconds between two checks whether a stop is confirmed, of what waits for it
 _STOPPING_EVERY = 0.01

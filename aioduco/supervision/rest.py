@@ -15,7 +15,6 @@ from aioduco.supervision.unanswered import LOOK_EVERY, NextStep, UnansweredMotio
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
-__all__ = ["bring_to_rest"]
 
 _log = BackgroundLogger(__name__)
 

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
     from aioduco._wire.lane import WireLane
 
-__all__ = ["pauses", "retried"]
 
 #: first and longest pause before another attempt [s]
 FIRST: Final = 0.02

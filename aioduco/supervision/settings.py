@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
     from aioduco.models.trace import Trace
 
-__all__ = ["ClosingSteps", "GuardKind", "RobotSettings"]
 
 GuardKind: TypeAlias = Literal["process"]
 

@@ -44,7 +44,6 @@ if TYPE_CHECKING:
     from aioduco.models.samples import Samples
     from aioduco.supervision.concurrency import BackgroundTasks
 
-__all__ = ["FeedStatistics", "Policy", "Snapshot", "StateFeed", "Subscription"]
 
 _SIZE = Integer(1, 2**31 - 1, source="this package")
 

@@ -52,7 +52,6 @@ if TYPE_CHECKING:
     from aioduco.supervision.stop_channel import StopChannel
     from aioduco.supervision.task import Task
 
-__all__ = ["StopCoordinator"]
 
 _log = BackgroundLogger(__name__)
 

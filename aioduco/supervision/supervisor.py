@@ -73,7 +73,6 @@ if TYPE_CHECKING:
     from aioduco.supervision.settings import RobotSettings
     from aioduco.supervision.task import Task
 
-__all__ = ["Supervisor", "SupervisorStatistics"]
 
 _log = BackgroundLogger(__name__)
 

@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from aioduco.supervision.task_command import Command
     from aioduco.supervision.task_state import ContinuousMotion, JointEta
 
-__all__ = ["OnCancel", "Task", "TaskControl", "task_error"]
 
 #: what happens to a motion when its await is cancelled
 OnCancel = Literal["stop", "pause", "detach"]

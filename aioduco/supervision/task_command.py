@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 #: makes the arguments of a command in the frame of the wire
 Aim: TypeAlias = "Callable[[Command], Awaitable[tuple[Any, ...]]]"
 
-__all__ = ["Aim", "Command", "blocking", "shown"]
-
 
 @dataclass(frozen=True, slots=True)
 class Command:

@@ -32,14 +32,6 @@ from aioduco.models.enums import Outcome, TaskState
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = [
-    "STOOD",
-    "ContinuousMotion",
-    "JointEta",
-    "Successor",
-    "TaskLifecycle",
-    "added_entries",
-]
 
 #: seconds after its time for which a motion may still slow down before it is stopped
 _BRAKING = 2.0

@@ -31,7 +31,6 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from typing import Self
 
-__all__ = ["LOOK_EVERY", "MAX_WATCH", "MIN_WATCH", "NextStep", "UnansweredMotion"]
 
 #: time between two polls whether the arm moves [s]
 LOOK_EVERY: Final = 0.01

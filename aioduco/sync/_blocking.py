@@ -13,7 +13,6 @@ if TYPE_CHECKING:
 
     from aioduco.sync._runner import Runner
 
-__all__ = ["Block", "Blocking", "Started"]
 
 T = TypeVar("T")
 

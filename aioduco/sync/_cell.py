@@ -9,8 +9,6 @@ from aioduco.sync._generated import Robot, connect
 if TYPE_CHECKING:
     from aioduco.planning.cell import Cell
 
-__all__ = ["connect_cell"]
-
 
 def connect_cell(cell: Cell, name: str | None = None, **options: Any) -> Robot:
     """Create a robot of a cell, kept within the cell's limits; `with` connects to it.

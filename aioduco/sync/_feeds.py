@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from aioduco.supervision import state_feed as aio_feed
     from aioduco.sync._runner import Runner
 
-__all__ = ["Subscription", "reading"]
 
 T = TypeVar("T")
 

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from aioduco.devices.grippers.gripper import PolledGripper
     from aioduco.sync._generated import Robot
 
-__all__ = ["Gripper"]
 
 P = ParamSpec("P")
 

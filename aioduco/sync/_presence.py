@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import threading
 
-__all__ = ["CallRecord", "CallTimes"]
-
 
 class CallRecord:
     """Of the calls of one thread, which alone changes this: is it in one, when did one end."""

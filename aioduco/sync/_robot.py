@@ -11,8 +11,6 @@ from aioduco.sync._blocking import Block
 if TYPE_CHECKING:
     from aioduco import robot as aio_robot
 
-__all__ = ["RobotLifecycle"]
-
 
 class RobotLifecycle(Block):
     """Opening and closing a robot, by `with` or by a call."""

@@ -34,7 +34,6 @@ if TYPE_CHECKING:
     from aioduco.supervision.task import Task
     from aioduco.sync._presence import CallRecord
 
-__all__ = ["Runner", "StartedCall"]
 
 _log = BackgroundLogger(__name__)
 

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from aioduco.sync._generated import Robot
     from aioduco.sync._runner import StartedCall
 
-__all__ = ["stop_all"]
-
 
 def stop_all(robots: Iterable[Robot]) -> None:
     """Stop several arms (停止所有机械臂), and wait until all stand.

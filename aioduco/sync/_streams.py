@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from aioduco.streaming.ticks import Tick
     from aioduco.sync._runner import Runner
 
-__all__ = ["OffsetStream", "Stream", "TrackStream"]
-
 
 class Stream(StreamCalls):
     """A stream of set-points to the controller. Use it in `with`.

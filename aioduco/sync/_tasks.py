@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from aioduco.supervision.task import OnCancel
     from aioduco.sync._runner import Runner
 
-__all__ = ["MotionCommand", "MotionFunction", "MotionPath", "Task", "awaitables", "moves"]
 
 P = ParamSpec("P")
 T = TypeVar("T")

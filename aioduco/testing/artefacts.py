@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from aioduco.recording.run import RecordedMessage
     from aioduco.sim import Simulator
 
-__all__ = ["RECORDING", "leave_artefacts"]
 
 #: name of the recording
 RECORDING = "run.mcap"

@@ -12,8 +12,6 @@ import anyio
 
 from aioduco.testing.faults import Ending
 
-__all__ = ["AwaitedSocket"]
-
 _CHUNK = 1 << 16
 
 

@@ -33,7 +33,6 @@ if TYPE_CHECKING:
 
     from aioduco.testing.records import Records
 
-__all__ = ["Relay", "Valve"]
 
 #: time between two slices of a throttled sender [s]
 _SLICE = 0.002

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from aioduco.supervision.supervisor import Supervisor
     from aioduco.supervision.task_command import Aim, Command
 
-__all__ = ["tool_aim"]
-
 
 def tool_aim(
     supervisor: Supervisor,

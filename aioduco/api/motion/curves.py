@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from aioduco.models.pose import JointsLike, PoseLike
     from aioduco.supervision.command import MotionCommand
 
-__all__ = ["Curves"]
-
 
 class Curves(Section):
     """Motions of the tool along curves."""

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from aioduco.models.jog import JogDirections
     from aioduco.supervision.command import MotionCommand
 
-__all__ = ["Jogging"]
 
 _ENDING = "stop_manual_move"
 

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from aioduco.models.pose import JointsLike, PoseLike
     from aioduco.supervision.command import MotionCommand
 
-__all__ = ["JointMotions"]
-
 
 class JointMotions(Section):
     """Motions of the joints, at speeds in rad/s or in percent."""

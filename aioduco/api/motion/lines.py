@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from aioduco.models.pose import JointsLike, PoseLike
     from aioduco.supervision.command import MotionCommand
 
-__all__ = ["Lines"]
-
 
 class Lines(Section):
     """Motions of the tool along a line."""

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from aioduco.streaming.shared.turning import MotionFrame
     from aioduco.supervision.command import MotionCommand
 
-__all__ = ["ServoMotions"]
 
 #: the vendor's defaults; the manual gives the first two
 _KP, _KD, _SMOOTH_VEL, _SMOOTH_ACC = 200.0, 25.0, 10.0, 1.0

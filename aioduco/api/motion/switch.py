@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 
     from aioduco.streaming.joint_trajectory import JointTrajectory, Tolerances
 
-__all__ = ["SwitchPlace", "TrajectorySwitch"]
-
 
 class SwitchPlace(NamedTuple):
     """Where a trajectory is left.

@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from aioduco.models.rules import FlagsLike, WholesLike
     from aioduco.supervision.command import HeldMotion
 
-__all__ = ["Teaching"]
 
 _ENDING = "end_teach_mode"
 

@@ -36,7 +36,6 @@ if TYPE_CHECKING:
     from aioduco.streaming.shared.options import WorkerOptions
     from aioduco.streaming.stream import Stream
 
-__all__ = ["follow"]
 
 _LOOK = 0.02  # seconds between two reads of the arm's position
 _DEPTH = 100  # points in the controller's queue: it lasts for 0.1 s without new points

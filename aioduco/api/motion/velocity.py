@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from aioduco.streaming.shared.turning import MotionFrame
     from aioduco.supervision.command import HeldMotion
 
-__all__ = ["Velocity"]
 
 #: duration of a motion at a velocity if the program gives none [s]: if the program has exited, or
 #: waits for an event that never comes, the arm stops after this time

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
     from aioduco.streaming.shared.options import Upsampling
 
-__all__ = ["FeedingOptions", "ServoGains", "ServoOptions", "motion_limits", "per_group"]
 
 _LIMIT = Number(0.0, open_low=True, source="this package")
 

@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from aioduco.streaming.shared.options import WorkerOptions
     from aioduco.streaming.shared.turning import MotionFrame
 
-__all__ = ["CYCLE", "RealtimeStreams"]
 
 #: time in which the controller takes one point from its queue [s] (manual 1.3.15, the example)
 CYCLE = 0.001

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from aioduco.streaming.shared.space import Limits
     from aioduco.streaming.shared.turning import MotionFrame
 
-__all__ = ["OffsetStream", "Servo"]
 
 _Pair = tuple[float, float]
 

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from aioduco.streaming.shared.options import WorkerOptions
     from aioduco.streaming.shared.turning import MotionFrame
 
-__all__ = ["Speed"]
-
 
 class Speed(StreamMaker):
     """Streams of speeds (speedj, speedl, manual 1.3.5), for example from a joystick.

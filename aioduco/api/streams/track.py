@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from aioduco.models.rules import VectorLike
     from aioduco.streaming.shared.options import WorkerOptions
 
-__all__ = ["TrackStream", "TrackStreams"]
 
 POOL = 1000  # points that fit (manual 1.3.12)
 LEAST = 10  # points to keep in the pool, for a motion without a halt (manual 1.3.12)

@@ -10,8 +10,6 @@ import typer
 from aioduco.cli.addresses import Port, robot_at
 from aioduco.cli.options import refuse_unused, require_writable
 
-__all__ = ["demo"]
-
 
 def demo(
     context: typer.Context,

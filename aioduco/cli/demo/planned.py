@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from aioduco.robot import Robot
     from aioduco.sim.process import SimulatorProcess
 
-__all__ = ["LEFT_THERE", "PlannedStep", "obstacle", "perform_plans", "save_pictures"]
 
 ASIDE = Joints.deg(90, 0, 90, 0, -90, 0)
 SIDE = math.radians(50.0)  # angle of joint 1 to either side of the obstacle

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     #: positions of the joints' origins in the base frame [m], shape (n, 3), from joints [rad]
     Skeleton = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
-__all__ = ["draw", "save"]
 
 _COLOURS = ("#1f77b4", "#d95f02", "#2ca02c", "#c0392b", "#7b5ea7", "#8c6d31")
 _GHOSTS = 7  # number of arms that are drawn along the way

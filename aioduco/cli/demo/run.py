@@ -34,7 +34,6 @@ if TYPE_CHECKING:
     from aioduco.kinematics import Arm
     from aioduco.models.controller_clock import Clock
 
-__all__ = ["run", "run_planned"]
 
 OUTPUT = Path("-")
 #: joints of the simulated arm at the start, as if someone had left it there [rad]

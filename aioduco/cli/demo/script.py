@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from aioduco.sim.scene import Thing
     from aioduco.supervision.command import MotionCommand
 
-__all__ = ["GRIPPER_NAME", "PART", "Choreography", "pick_and_place", "scene"]
 
 GRIPPER = 1  # general digital output of the cabinet that closes a gripper
 GRIPPER_NAME = "parallel"  # the simulated one

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from aioduco.cli.demo.view import View
     from aioduco.robot import Robot
 
-__all__ = ["SAMPLES", "perform"]
 
 SAMPLES = 100.0  # samples of the arm per second
 

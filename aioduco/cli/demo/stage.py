@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
     Look = Callable[[], tuple[float, float, float]]
 
-__all__ = ["Running", "Stage"]
 
 PATIENCE = 30.0  # seconds within which the arm must begin to move
 

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from aioduco.cli.safe_console import SafeConsole
     from aioduco.models.state import RobotStatus
 
-__all__ = ["LiveView", "PlainView", "View", "summary", "view_for"]
 
 _STYLES = {
     Outcome.FINISHED: "green",

@@ -9,8 +9,6 @@ from typing import Any, Final
 
 import anyio
 
-__all__ = ["Key", "keys_of", "wait_for_keys"]
-
 #: seconds between two polls of a console that cannot be waited for
 _LOOK: Final = 0.05
 

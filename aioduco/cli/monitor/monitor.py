@@ -16,7 +16,6 @@ from aioduco.cli.output import OutputFailed, say
 if TYPE_CHECKING:
     from aioduco.cli.monitor.view_state import MonitorState
 
-__all__ = ["monitor"]
 
 _ENDED = "the monitor was ended; nothing was stopped"
 

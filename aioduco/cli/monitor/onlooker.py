@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from aioduco.robot import Robot
     from aioduco.supervision.events import Event
 
-__all__ = ["MonitorClient", "event_line"]
 
 #: seconds between two reads of values that change seldom
 _SELDOM: Final = 1.0

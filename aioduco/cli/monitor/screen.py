@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from aioduco.models.state import RobotStatus
     from aioduco.supervision.state_feed import Snapshot
 
-__all__ = ["bar", "chart", "screen"]
 
 _STYLES: Final = {"info": "", "good": "green", "warning": "yellow", "alarm": "bold red"}
 #: columns from which a line holds all, and from which there are more columns of numbers

@@ -14,7 +14,6 @@ if TYPE_CHECKING:
 
     from aioduco.supervision.state_feed import Snapshot
 
-__all__ = ["EventLine", "MonitorState", "Severity", "history_point", "standing"]
 
 #: joint and tool speeds below which an arm counts as standing [rad/s, m/s]
 _STANDS: Final = 1e-3

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
     from aioduco.integrations.fleet.settings import FleetSettings
 
-__all__ = ["FleetClient", "FleetStop", "FleetView"]
 
 #: seconds to wait for gateways, if the settings expect none
 _FOUND: Final = 1.0

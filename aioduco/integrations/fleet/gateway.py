@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from aioduco.integrations.fleet.settings import ArmSettings, FleetSettings
     from aioduco.robot import Robot
 
-__all__ = ["FleetGateway"]
 
 _log = BackgroundLogger(__name__)
 

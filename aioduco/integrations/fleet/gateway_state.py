@@ -18,7 +18,6 @@ from aioduco.integrations.fleet.reports import (
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-__all__ = ["GatewayState", "StopOrder"]
 
 _WITHHELD: Final = (
     "the gateway stood still, and its heartbeat is withheld: it does not supervise the arm"

@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
     from aioduco.integrations.fleet.settings import FleetSettings
 
-__all__ = ["FleetLink"]
 
 #: intervals of the attempts to connect to absent peers [ms]
 _RETRY: Final = {

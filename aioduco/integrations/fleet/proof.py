@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from os import PathLike
 
-__all__ = ["challenge", "proof_of", "proves", "read_keys"]
 
 _CHALLENGE: Final = 32
 _PURPOSE: Final = b"aioduco fleet stop 1"

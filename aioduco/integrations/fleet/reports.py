@@ -14,19 +14,6 @@ from typing import Any, Final
 
 from aioduco.integrations.fleet.settings import is_name
 
-__all__ = [
-    "LONGEST",
-    "ArmReport",
-    "ArmStopped",
-    "GatewayReport",
-    "MessageRefused",
-    "StopReport",
-    "StopRequest",
-    "alive_key",
-    "state_key",
-    "stop_key",
-]
-
 #: version of the schemas below
 VERSION: Final = 1
 #: size of the longest message that is read [bytes]

@@ -16,7 +16,6 @@ from aioduco.models.toml_files import read_toml
 if TYPE_CHECKING:
     from os import PathLike
 
-__all__ = ["LOOPBACK", "ArmSettings", "FleetFileError", "FleetSettings", "is_name"]
 
 #: address on which a gateway listens by default
 LOOPBACK: Final = "tcp/127.0.0.1:7447"

@@ -37,7 +37,6 @@ if TYPE_CHECKING:
     Vector = NDArray[np.float64]
     Picture = NDArray[np.uint8]
 
-__all__ = ["PERIOD", "ControllerArm", "EpisodeArm", "PhysicsArm"]
 
 PERIOD = 0.04
 """Time of one step [s]."""

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Final
 
-__all__ = ["EPISODE", "TASKS"]
-
 TASKS: Final = ("Reach", "Push", "PickPlace", "Press")
 
 EPISODE: Final = 100

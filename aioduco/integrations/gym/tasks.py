@@ -21,16 +21,6 @@ if TYPE_CHECKING:
 
     Vector = NDArray[np.float64]
 
-__all__ = [
-    "ArmTask",
-    "PickPlaceTask",
-    "PressTask",
-    "PushTask",
-    "ReachTask",
-    "TaskReading",
-    "TaskSetup",
-    "task_of",
-]
 
 TABLE = 0.1
 """Height of the table [m]."""

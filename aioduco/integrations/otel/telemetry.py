@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from aioduco import Robot, StreamStatistics
     from aioduco.models.trace import TraceEvent
 
-__all__ = ["Telemetry"]
 
 _NAME: Final = "aioduco"
 #: lanes whose calls are reported

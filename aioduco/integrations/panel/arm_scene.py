@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
     Colour = tuple[int, int, int]
 
-__all__ = ["ArmScene"]
 
 _TOLD: Final = (255, 170, 40)
 _AIM: Final = (60, 190, 120)

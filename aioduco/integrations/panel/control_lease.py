@@ -21,16 +21,6 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 if TYPE_CHECKING:
     from aioduco.integrations.panel.page_requests import HoldMotion
 
-__all__ = [
-    "BeginLease",
-    "BeginMotion",
-    "ControlLease",
-    "EndLease",
-    "EndMotion",
-    "LeasePhase",
-    "RefusePage",
-]
-
 
 class LeasePhase(enum.Enum):
     """State of the lease."""

@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from aioduco.integrations.panel.page_requests import MeasureStep, WriteMeasured
     from aioduco.kinematics import Arm, MeasuredLoad, ToolAxes, ToolTip
 
-__all__ = ["Measurement", "take_step", "write"]
 
 #: readings of a pose, and seconds between two
 _READINGS: Final = 50

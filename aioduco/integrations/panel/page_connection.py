@@ -23,7 +23,6 @@ from websockets.asyncio.server import ServerConnection
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
-__all__ = ["Allowance", "PageConnection", "PlainRequest", "Waiting"]
 
 _log = logging.getLogger("aioduco.integrations.panel")
 

@@ -13,26 +13,6 @@ from aioduco.errors import ParameterError
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-__all__ = [
-    "GiveBack",
-    "HoldMotion",
-    "JogMotion",
-    "JointMotion",
-    "LetGo",
-    "LineMotion",
-    "MeasureStep",
-    "PageAim",
-    "PageBeat",
-    "PageRequest",
-    "PageStop",
-    "Press",
-    "RobotAction",
-    "SetOutput",
-    "SimulatorLine",
-    "TakeControl",
-    "WriteMeasured",
-    "page_request",
-]
 
 #: joint speed of a motion to a target at 100 % [rad/s], and its acceleration [rad/s²]
 JOINT_SPEED: Final = 1.0

@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from websockets.http11 import Request
     from websockets.typing import Subprotocol
 
-__all__ = ["PageServer"]
 
 _log = logging.getLogger("aioduco.integrations.panel")
 

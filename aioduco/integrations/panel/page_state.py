@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 
     from aioduco import Snapshot
 
-__all__ = ["alarm_text", "history_point", "page_sample"]
 
 #: joint and tool speeds below which an arm counts as standing [rad/s, m/s]
 _STANDS: Final = 1e-3

@@ -84,7 +84,6 @@ if TYPE_CHECKING:
     from aioduco.planning import Scene
     from aioduco.sim.twin import Twin, TwinLimits
 
-__all__ = ["Panel"]
 
 _log = logging.getLogger("aioduco.integrations.panel")
 

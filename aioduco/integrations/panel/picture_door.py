@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
     from websockets.asyncio.server import ServerConnection
 
-__all__ = ["PictureDoor", "portless"]
 
 #: two servers of viser are not started at a time: the exchange is of a name in its module
 _STARTING: Final = threading.Lock()

@@ -6,8 +6,6 @@ import anyio
 
 from aioduco.errors import ConnectionLost
 
-__all__ = ["ask_simulator"]
-
 _HOST = "127.0.0.1"
 #: seconds within which it must answer
 _PATIENCE = 10.0

@@ -9,7 +9,6 @@ if TYPE_CHECKING:
     from aioduco import events
     from aioduco.sim.twin import Twin, TwinFigures
 
-__all__ = ["TWIN_RATE", "parted_text", "twin_line", "twin_text"]
 
 #: samples per second that a twin compares [Hz]
 TWIN_RATE: Final = 125.0

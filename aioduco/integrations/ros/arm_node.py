@@ -36,7 +36,6 @@ if TYPE_CHECKING:
     from aioduco import Pose, Robot, Snapshot, WorkerOptions
     from aioduco.integrations.ros.arm_readings import ArmReading, Diagnosis, PlacedFrame
 
-__all__ = ["ArmNode", "NodeSettings", "StateSink", "arm_node", "check_prefix"]
 
 _log = BackgroundLogger(__name__)
 #: topics and services begin with it, whose names ROS limits

@@ -12,21 +12,6 @@ if TYPE_CHECKING:
     from aioduco import Load, Pose, RobotStatus, Snapshot
     from aioduco.errors import DucoError
 
-__all__ = [
-    "STATE_NAMES",
-    "ArmReading",
-    "Diagnosis",
-    "DiagnosisLevel",
-    "PlacedFrame",
-    "diagnosis",
-    "io_state_fields",
-    "joint_reading",
-    "placed_frames",
-    "robot_state_fields",
-    "state_names",
-    "tool_data_fields",
-]
-
 
 #: topics of the states' names
 STATE_NAMES = (

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from aioduco import Robot
     from aioduco.integrations.ros.trajectory_server import TrajectoryServer
 
-__all__ = ["ArmServices", "ServiceReply"]
 
 _DIGITAL, _ANALOG = 1, 3  # functions of the UR driver's set_io
 _TOOL_PIN = 16  # number of the tool's first output there

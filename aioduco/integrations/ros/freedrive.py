@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
     from aioduco import Robot
 
-__all__ = ["Freedrive"]
 
 _log = BackgroundLogger(__name__)
 

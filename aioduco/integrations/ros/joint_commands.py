@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from aioduco import Robot, WorkerOptions
     from aioduco.integrations.ros.trajectory_goals import NamedLimits
 
-__all__ = ["JointCommands", "check_command"]
 
 _log = BackgroundLogger(__name__)
 _LOOK = 0.1  # seconds between two polls of the arm, and between two checks whether commands ceased

@@ -9,8 +9,6 @@ from aioduco.errors import DucoError, ParameterError
 from aioduco.integrations.ros.arm_node import NodeSettings
 from aioduco.integrations.ros.trajectory_goals import GoalRules
 
-__all__ = ["NodeError", "parameter_defaults", "settings_of"]
-
 _RULES = {"path": "path_tolerance", "goal": "goal_tolerance", "goal_time": "goal_time_tolerance"}
 _RULES |= {"start": "start_tolerance", "max_stamp_age": "stamp_tolerance"}
 _DEFAULTS = NodeSettings(host="-")

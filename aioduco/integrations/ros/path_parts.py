@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
     from aioduco.integrations.ros.trajectory_goals import NamedLimits
 
-__all__ = ["PathPart", "nearest_time", "path_from_motion", "rest_of_path", "whole_path"]
 
 _SAMPLE = 0.02  # time between two points of what remains of a path [s]
 _MOST_SAMPLES = 3000

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
 
     from aioduco.integrations.ros.arm_services import ArmServices, ServiceReply
 
-__all__ = ["ServiceEntry", "service_table"]
-
 
 class ServiceEntry(NamedTuple):
     """A service.

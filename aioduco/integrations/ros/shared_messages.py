@@ -27,19 +27,6 @@ if TYPE_CHECKING:
     from aioduco.integrations.ros.arm_readings import ArmReading, Diagnosis, PlacedFrame
     from aioduco.integrations.ros.trajectory_server import GoalProgress
 
-__all__ = [
-    "diagnostics",
-    "goal",
-    "io_state",
-    "joint_state",
-    "progress",
-    "robot_state",
-    "tool_data",
-    "trajectory",
-    "transforms",
-    "twist",
-    "wrench",
-]
 
 #: fields for each part of a feedback: its own, and those of a controller's state in all versions
 _PARTS = {

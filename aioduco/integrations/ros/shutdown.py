@@ -10,8 +10,6 @@ import anyio
 if TYPE_CHECKING:
     from anyio import CancelScope
 
-__all__ = ["cancel_on_signal"]
-
 
 async def cancel_on_signal(scope: CancelScope) -> None:
     """Wait for Ctrl-C, SIGTERM, or the end of the terminal, and cancel a scope then."""

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from aioduco import Robot, WorkerOptions
     from aioduco._process.reporting import BackgroundLogger
 
-__all__ = ["StreamedCommands"]
 
 _AGAIN = 2.0  # seconds before a warning of the same kind is logged again
 

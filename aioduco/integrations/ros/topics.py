@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from aioduco.integrations.ros.arm_readings import ArmReading, Diagnosis, PlacedFrame
     from aioduco.integrations.ros.trajectory_server import GoalProgress
 
-__all__ = ["COMMAND_TOPICS", "STATE_TOPICS", "StatePublisher", "topic_name"]
 
 #: topics of the arm's state, and their types; each shell has its own for the controller's state
 STATE_TOPICS: dict[str, Any] = {

@@ -28,20 +28,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = [
-    "CheckedGoal",
-    "ErrorCode",
-    "GoalEnded",
-    "GoalPoint",
-    "GoalRefused",
-    "GoalRules",
-    "NamedLimits",
-    "NamedTolerance",
-    "TrajectoryGoal",
-    "check_goal",
-    "check_start",
-    "code_of",
-]
 
 #: number of places in each piece of a curve at which its speed and position are checked
 _LOOKS = 16

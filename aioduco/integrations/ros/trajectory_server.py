@@ -55,7 +55,6 @@ if TYPE_CHECKING:
         TrajectoryGoal,
     )
 
-__all__ = ["GoalHandle", "GoalProgress", "Through", "TrajectoryServer"]
 
 Through: TypeAlias = Literal["auto", "realtime", "servoj"]
 """How set-points reach the controller."""

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
     from aioduco import Robot, WorkerOptions
 
-__all__ = ["TwistCommands"]
 
 _log = BackgroundLogger(__name__)
 _ACCELERATION, _TURN_ACCELERATION = 1.0, 4.0  # m/s², rad/s²

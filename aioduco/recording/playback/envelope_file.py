@@ -40,7 +40,6 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Callable
 
-__all__ = ["limit_of", "read_envelope"]
 
 _KINDS: Final[dict[str, Callable[..., EnvelopeLimit]]] = {
     "box": Zone.box,

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from aioduco.recording.playback.recorded_path import RecordedPath
     from aioduco.recording.playback.waypoints import WaypointFile
 
-__all__ = ["PathFinding", "check_path", "check_waypoints", "fastest", "sharpest"]
 
 _LOOK = 0.001  # time between two samples of the path, as between two set-points [s]
 _WINDOW = 32  # samples over which an acceleration is computed: 32 ms

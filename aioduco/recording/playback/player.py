@@ -51,15 +51,6 @@ if TYPE_CHECKING:
     from aioduco.streaming.shared.options import WorkerOptions
     from aioduco.supervision.command import MotionCommand
 
-__all__ = [
-    "arm_named",
-    "check_path_on",
-    "check_waypoints_on",
-    "follow",
-    "play",
-    "reported_arm",
-    "run_waypoints",
-]
 
 _SHARE = Number(0.0, 1.0, open_low=True, source="this package")
 _NEAR = 0.01  # largest distance of a joint from the begin of the path [rad]

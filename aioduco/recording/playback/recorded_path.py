@@ -37,7 +37,6 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-__all__ = ["RecordedOutput", "RecordedPath"]
 
 #: factor on the recorded speed
 SPEED_FACTOR = Number(0.01, 10.0, source="this package")

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-__all__ = ["RecordedGap", "gaps_between", "gaps_in_words", "is_fresh", "steady_times"]
 
 #: joint speed [rad/s], and distance between two samples [rad], up to which the arm stands
 STILL, SAME = 2e-3, 3e-5

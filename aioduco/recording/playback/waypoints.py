@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
     from aioduco.models.pose import JointsLike
 
-__all__ = ["Waypoint", "WaypointFile", "WaypointMotion"]
 
 WaypointMotion = Literal["joints", "line"]
 

@@ -16,8 +16,6 @@ from aioduco.recording.tap.relay import CopyKind
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["Conversation", "TapNote", "TappedCall"]
-
 
 class TappedCall(NamedTuple):
     """A call between client and controller that was answered, or cannot be answered any more.

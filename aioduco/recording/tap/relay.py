@@ -36,7 +36,6 @@ if TYPE_CHECKING:
     #: family of an address, and what `connect` takes
     _Address = tuple[int, Any]
 
-__all__ = ["HEAD", "KEPT", "CopyKind", "main"]
 
 #: head of a copy: time of `time.monotonic` [s], number of the connection, kind, number of bytes
 HEAD: Final = struct.Struct("<dIBI")

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from typing import Self
 
-__all__ = ["Tap"]
 
 #: time-out for the relay to report its address [s]
 _START = 60.0

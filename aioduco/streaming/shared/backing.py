@@ -11,8 +11,6 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from multiprocessing.shared_memory import SharedMemory
 
-__all__ = ["MemoryFile", "NamedMemory"]
-
 
 class MemoryFile:
     """Memory without a name (memfd). It is freed when all processes that have it open have ended.

@@ -23,8 +23,6 @@ from aioduco.streaming.shared.histogram import Histogram
 from aioduco.streaming.shared.ring import Ring
 from aioduco.streaming.shared.words import StatusWord
 
-__all__ = ["HISTOGRAMS", "Block"]
-
 _MAGIC = 0x61696F6475636F31
 _HEADER = struct.Struct("<QQ")
 _CONFIG = 65536  # an envelope of 100 limits takes half of it

@@ -16,14 +16,6 @@ from aioduco.streaming.shared.words import ActionTag
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = [
-    "CheckedEnvelope",
-    "Drive",
-    "FrameRotation",
-    "Meaning",
-    "StreamSpec",
-    "WorkerConfig",
-]
 
 #: an envelope against which the worker checks set-points: the result of `Envelope.packed`, the pose
 #: of their work object in the base frame [m, rad], and the time within which the program stops a

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["Histogram", "Percentiles"]
 
 _BITS = 5
 _SUB = 1 << _BITS  # buckets per octave: a percentile is at most 1/32 above the true value

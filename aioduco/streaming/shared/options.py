@@ -17,17 +17,6 @@ if TYPE_CHECKING:
 
     from aioduco.models.rules import Number
 
-__all__ = [
-    "MOST_ACTIONS",
-    "MOST_POINTS",
-    "UPSAMPLING",
-    "Feeding",
-    "Upsampling",
-    "WorkerOptions",
-    "checked",
-    "rate_rule",
-    "without_checks",
-]
 
 #: largest number of set-points in the ring
 MOST_POINTS = 16384

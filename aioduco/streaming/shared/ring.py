@@ -22,7 +22,6 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["Ring", "SetPoint"]
 
 _CRC = struct.Struct("<Q")
 _BODY = struct.Struct("<QQ6dQ")

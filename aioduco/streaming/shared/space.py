@@ -14,19 +14,6 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = [
-    "JERK",
-    "JOINT_SPACE",
-    "POSE_SPACE",
-    "Config",
-    "Displacement",
-    "JointSpace",
-    "Limits",
-    "PoseSpace",
-    "Space",
-    "rotated",
-    "too_far",
-]
 
 #: a point of a space: six joint angles [rad], or position [m] and unit quaternion (w, x, y, z)
 Config = tuple[float, ...]

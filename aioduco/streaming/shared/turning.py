@@ -20,16 +20,6 @@ if TYPE_CHECKING:
 
     from aioduco.streaming.shared.space import Config
 
-__all__ = [
-    "Directions",
-    "MotionFrame",
-    "composed",
-    "in_tool",
-    "into_tool",
-    "into_wobj",
-    "place_of",
-    "turned",
-]
 
 #: the robot's base, the tool, or a work object
 MotionFrame: TypeAlias = Literal["base", "tool", "wobj"]

@@ -11,8 +11,6 @@ from typing import NamedTuple
 
 from aioduco.models.named_int import NamedInt
 
-__all__ = ["ActionTag", "ControlWord", "Reason", "StatusWord", "StreamState", "Unmet"]
-
 _TAG = struct.Struct("<QQII")
 
 

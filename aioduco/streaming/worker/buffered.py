@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from aioduco.streaming.worker.checked import EnvelopeCheck
     from aioduco.streaming.worker.permit import StreamPermit
 
-__all__ = ["Depth", "PoolAction", "PoolStates", "RealtimeQueueDriver", "TrackPoolDriver"]
 
 _MOST = 100  # points in one call: about 6 kB
 _RUNNING = (0, 1, 2)  # not yet begun, running, paused

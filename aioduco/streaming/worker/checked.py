@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from aioduco.streaming.shared.space import Config, Space
     from aioduco.streaming.worker.limiter import JerkLimiter
 
-__all__ = ["EnvelopeCheck", "SpeedCheck", "envelope_check"]
 
 _STEP = 0.02  # length of one checked step between two points [m, rad]
 _MOST_STEPS = 500

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 
     from aioduco.streaming.shared.space import Config, Displacement, Space
 
-__all__ = ["ActionTimeline"]
 
 _ZERO: Displacement = (0.0,) * 6
 _CATCH_UP = 0.25  # share of a period per tick by which missed time is made up for

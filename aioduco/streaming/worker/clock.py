@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["ProcessorShare", "Schedule", "sharpen_sleep", "sleep_until"]
-
 
 class Schedule:
     """When ticks are due: at `start + k * period`, however late earlier ticks were. Pure.

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from aioduco.streaming.shared.words import Reason, StreamState
     from aioduco.streaming.worker.life import Life
 
-__all__ = ["Driver"]
-
 
 class Driver(ABC):
     """One way to send set-points to the controller.

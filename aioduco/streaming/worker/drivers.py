@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from aioduco.streaming.shared.config import Drive
     from aioduco.streaming.worker.permit import StreamPermit
 
-__all__ = ["CallDriver", "ProbeDriver"]
 
 #: ends after which nobody else stops the arm, if set-points moved it after another caller's stop
 _UNSTOPPED = (Reason.CLOSED, Reason.ABORTED)

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
     from aioduco._wire.connection import Connection
 
-__all__ = ["Batch", "Point", "element_tail"]
 
 _MARKS = tuple(-1.2345678901e-217 * (axis + 1) for axis in range(6))
 _MARK = struct.pack("!6d", *_MARKS)

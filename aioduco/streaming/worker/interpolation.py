@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from aioduco.streaming.shared.space import Config, Displacement, Space
 
-__all__ = ["Cubic", "Linear", "interpolator"]
 
 _ZERO: Displacement = (0.0,) * 6
 

@@ -14,8 +14,6 @@ from __future__ import annotations
 
 from aioduco.streaming.shared.words import Reason, StreamState
 
-__all__ = ["Life"]
-
 
 class Life:
     """State of a stream, and the reason for its end.

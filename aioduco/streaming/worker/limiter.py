@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     #: for each group: its slice, and the limits of its speed and of the change of its speed
     _Rules = tuple[tuple[slice, float, float], ...]
 
-__all__ = ["JerkLimiter", "Limiter", "SpeedGenerator"]
 
 _ZERO: Displacement = (0.0,) * 6
 _SLACK = 1 + 1e-9  # a trajectory exactly at its limits passes in spite of rounding

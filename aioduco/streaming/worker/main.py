@@ -54,7 +54,6 @@ if TYPE_CHECKING:
     from aioduco.streaming.shared.options import WorkerOptions
     from aioduco.streaming.worker.driver import Driver
 
-__all__ = ["StreamWorker", "main", "run_in_thread"]
 
 #: reasons for which the worker itself stops the robot: no other part detects them, or can stop it
 _STOPS = (

@@ -32,8 +32,6 @@ from aioduco.streaming.shared.words import ControlWord, Reason
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-__all__ = ["PermitEnded", "StreamPermit"]
-
 
 class PermitEnded(Exception):
     """A set-point was not sent, since the permit has ended."""

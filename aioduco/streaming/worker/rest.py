@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from aioduco._wire.connection import Connection
     from aioduco._wire.own_connection import OwnConnection
 
-__all__ = ["bring_to_rest"]
 
 #: seconds for which each step waits for a late answer
 _LISTEN = 0.001

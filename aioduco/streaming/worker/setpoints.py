@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from aioduco.streaming.worker.chunks import ActionTimeline
     from aioduco.streaming.worker.interpolation import Linear
 
-__all__ = ["PositionGenerator", "SetpointFeed", "SetpointSource"]
 
 _LONGEST = 0.5  # seconds between two targets: the longest interval from which a slope is computed
 _FIRST = 0.05  # seconds assumed for the interval until one is measured

@@ -8,8 +8,6 @@ from aioduco.models.enums import TaskState
 from aioduco.streaming.shared.words import Reason
 from aioduco.streaming.worker.watch import ended
 
-__all__ = ["TaskNumbers"]
-
 _BRAKE_LIMIT: Final = 5.0  # s within which an arm that was told to stop stands
 _MOST: Final = 8  # tasks that are polled in one tick
 #: as many equal rises, one after the other, are the controller's own: two in two ticks may be

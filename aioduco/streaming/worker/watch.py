@@ -13,7 +13,6 @@ if TYPE_CHECKING:
 
     from aioduco._wire.connection import Connection
 
-__all__ = ["disabled", "ended", "newest_error", "refused"]
 
 _TASK_FAILED = (TaskState.ERROR, TaskState.ILLEGAL, TaskState.PARAMETER_MISMATCH)
 

@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
     from aioduco.testing.conformance.controller_report import ControllerReport
 
-__all__ = ["Redaction", "write_bundle"]
 
 _README: Final = """\
 A report of `aioduco check --bundle`. It contains:

@@ -26,7 +26,6 @@ from aioduco.testing.waiting import eventually
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-__all__ = ["CheckSession", "Differs", "NotTried"]
 
 #: time-outs for the answer to a call that does not block, and for a small motion [s]
 CALL, MOTION = 5.0, 30.0

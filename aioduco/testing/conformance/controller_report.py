@@ -6,8 +6,6 @@ import json
 from dataclasses import asdict, dataclass
 from enum import StrEnum
 
-__all__ = ["CheckResult", "ControllerReport", "Verdict"]
-
 
 class Verdict(StrEnum):
     """Result of a check."""

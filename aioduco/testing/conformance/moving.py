@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from aioduco.testing.conformance.check_session import CheckSession
     from aioduco.testing.conformance.reading import Found, Looked
 
-__all__ = ["MOVING"]
 
 #: how far the last joint turns at most, there and back [rad], and how fast [rad/s]
 _TURN: Final = 0.3

@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
     from aioduco.testing.conformance.check_session import CheckSession
 
-__all__ = ["READING", "Found", "Looked"]
 
 #: whether the controller behaves like the simulated one, and what was found
 Found = tuple[bool, str]

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     from aioduco.testing.conformance.reading import Looked
 
-__all__ = ["check_controller"]
-
 
 def check_controller(
     host: str,

@@ -21,7 +21,6 @@ from aioduco.models.host_port import host_port
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator
 
-__all__ = ["AccessBlocked", "address_of", "block_outside_access"]
 
 _TO: Final = ("socket.connect", "socket.sendto", "socket.sendmsg")
 _STARTS: Final = ("subprocess.Popen", "os.system", "os.exec", "os.posix_spawn")

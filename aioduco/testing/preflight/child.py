@@ -34,8 +34,6 @@ from aioduco.testing.preflight.tried_controller import TriedController
 from aioduco.testing.preflight.tried_program import TriedProgram
 from aioduco.testing.preflight.variation import Variation
 
-__all__ = ["main"]
-
 #: time between two checks of the program's progress, by the wall clock [s]
 _LOOK = 0.05
 #: least time without a change before a program counts as hung, by the wall clock [s]: while a

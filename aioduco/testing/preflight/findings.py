@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-__all__ = ["KINDS", "PreflightFinding", "end_of", "findings", "running"]
 
 #: every kind of finding
 KINDS = (

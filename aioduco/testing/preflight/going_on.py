@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 
     Vector = NDArray[np.float64]
 
-__all__ = ["GOES_ON", "MotionPlans", "last_reachable"]
 
 GOES_ON = "the run goes on as if the arm had got there"
 """What a finding says of a motion that counts as carried out."""

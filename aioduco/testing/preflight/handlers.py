@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-__all__ = ["WaitingLine", "handled"]
 
 #: context managers that end an error
 _SUPPRESSING = frozenset({"suppress", "raises"})

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
     from aioduco.testing.preflight.runner import PreflightReport
 
-__all__ = ["page"]
 
 _WIDTH, _LEFT, _ROW = 960, 210, 22
 #: largest number of pictures on a page, and their size [pixels]

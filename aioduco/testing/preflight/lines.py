@@ -19,19 +19,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
     from types import CodeType, FrameType
 
-__all__ = [
-    "TASK_ORIGIN",
-    "CallOrigin",
-    "ProgramLine",
-    "awaited",
-    "current",
-    "innermost",
-    "is_program",
-    "later",
-    "of_error",
-    "of_main_thread",
-    "of_new_task",
-]
 
 _PROGRAMS = PACKAGE / "cli"
 

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
     from aioduco.sim.physics.world import World
 
-__all__ = ["Margin", "margins", "near_singularities"]
 
 #: largest number of samples that are compared with the scene
 _LOOKS = 400

@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from aioduco.testing.preflight.program_clock import ProgramClock, Wait
     from aioduco.testing.preflight.run_recorder import RunRecorder
 
-__all__ = ["asked_by_package", "install"]
 
 #: modules between the program and the functions that it calls
 _BETWEEN = frozenset(

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
     from aioduco.sim import Simulator
 
-__all__ = ["ProgramClock", "Wait"]
 
 #: longest time for which a computing program holds simulated time, by the wall clock [s]
 STALL = 0.05

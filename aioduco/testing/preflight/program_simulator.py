@@ -10,8 +10,6 @@ if TYPE_CHECKING:
 
     from aioduco.sim.simulator import Simulator
 
-__all__ = ["ProgramSimulator"]
-
 
 class ProgramSimulator:
     """The simulator that the program runs on: its own, if it starts one, else the preflight's.

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from aioduco.testing.preflight.lines import CallOrigin, ProgramLine
     from aioduco.testing.preflight.program_clock import ProgramClock
 
-__all__ = ["CHECKED", "CheckedMotion", "ProgramCall", "RunRecorder"]
 
 #: time between two samples of the moving arm [s]
 _SAMPLE = 0.02

@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 
     from aioduco.sim.scene import MountingLike, SceneLike
 
-__all__ = ["PreflightError", "PreflightReport", "PreflightSettings", "preflight"]
 
 #: time of a cycle of the simulation [s]: half the rate of a controller, for speed
 CYCLE = 0.002

@@ -20,7 +20,6 @@ from aioduco.testing.preflight.runner import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-__all__ = ["SweepReport", "VariationResult", "sweep"]
 
 #: number of retries of a variation whose worker has died: that is not the variation's fault
 _RETRIES = 10

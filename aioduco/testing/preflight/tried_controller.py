@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     from aioduco.testing.preflight.run_recorder import ProgramCall, RunRecorder
     from aioduco.testing.preflight.variation import Variation
 
-__all__ = ["TriedController"]
-
 
 class TriedController(ControllerTrial):
     """Varies the simulator, and ties its tasks to the program's calls.

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
     Settings = TypeVar("Settings", bound=DataclassInstance)
 
-__all__ = ["TriedProgram"]
 
 _CONNECT_TIMEOUT = 15.0
 #: least time-outs of robots and streams [s]: a busy computer is not the program's fault

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from aioduco.models.pose import JointsLike
     from aioduco.sim import Simulator
 
-__all__ = ["KINDS", "Variation"]
 
 #: quantities that can be varied
 KINDS = ("start", "latency", "faults", "payload", "parts")

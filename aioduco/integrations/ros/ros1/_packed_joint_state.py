@@ -11,8 +11,6 @@ from typing import Any, Final
 
 from sensor_msgs.msg import JointState
 
-__all__ = ["PackedJointState"]
-
 _THREE: Final = struct.Struct("<3I")
 _NUMBERS: Final = struct.Struct("<I6dI6dI6d")
 

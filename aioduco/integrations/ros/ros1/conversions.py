@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from aioduco.integrations.ros.trajectory_goals import ErrorCode, TrajectoryGoal
     from aioduco.integrations.ros.trajectory_server import GoalProgress
 
-__all__ = ["controller_state", "feedback", "goal", "result", "stamp"]
-
 
 def stamp(seconds: float) -> Any:
     """A time of so many seconds."""

@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from importlib.resources.abc import Traversable
 
-__all__ = ["ACTION", "ACTION_HEADERS", "MESSAGES", "SERVICES"]
 
 _FOLDER: Final = resources.files("aioduco.integrations.ros.ros1") / "messages"
 

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
     from aioduco.descriptions import ArmLike
 
-__all__ = ["filled", "launch_package", "package_files", "rviz_text"]
-
 
 class _Text(Template):
     delimiter = "@"

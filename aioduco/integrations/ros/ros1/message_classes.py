@@ -9,8 +9,6 @@ from typing import Any
 
 from aioduco.integrations.ros.ros1.definitions import ACTION, ACTION_HEADERS, MESSAGES, SERVICES
 
-__all__ = ["action_messages", "define", "install"]
-
 _NAME = "control_msgs/FollowJointTrajectory"
 #: installed messages whose definitions, with all that they use, the others need
 _USED = (

@@ -14,7 +14,6 @@ from aioduco.integrations.ros.ros1.launch_package import filled, package_files, 
 if TYPE_CHECKING:
     from aioduco.descriptions import ArmLike
 
-__all__ = ["moveit_package"]
 
 _NEEDED = (
     *("moveit_ros_move_group", "moveit_planners_ompl", "moveit_kinematics"),

@@ -52,7 +52,6 @@ if TYPE_CHECKING:
     from aioduco.integrations.ros.trajectory_goals import TrajectoryGoal
     from aioduco.integrations.ros.trajectory_server import GoalProgress
 
-__all__ = ["main"]
 
 _LOOK_AT_MASTER = 1.0  # seconds between two checks of the master
 _LOOKS_AGAIN, _LOOK_AGAIN = 4, 0.005  # checks after it closed its connection, and seconds between

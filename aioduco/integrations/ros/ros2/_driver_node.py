@@ -59,7 +59,6 @@ if TYPE_CHECKING:
     from aioduco.integrations.ros.trajectory_goals import TrajectoryGoal
     from aioduco.integrations.ros.trajectory_server import GoalProgress
 
-__all__ = ["DriverNode"]
 
 _log = BackgroundLogger(__name__)
 

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from aioduco.integrations.ros.trajectory_goals import TrajectoryGoal
     from aioduco.integrations.ros.trajectory_server import GoalProgress
 
-__all__ = ["controller_state", "feedback", "goal", "result", "stamp", "trajectory"]
 
 _NANO = 1_000_000_000
 

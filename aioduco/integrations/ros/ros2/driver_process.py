@@ -31,7 +31,6 @@ from aioduco.integrations.ros.shutdown import cancel_on_signal
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-__all__ = ["main"]
 
 _LEAVE = 2.0  # seconds within which rclpy's threads must end
 _REFUSED = "ROS refuses the arguments: {}. Nothing was sent"
