@@ -27,6 +27,7 @@ from aioduco.integrations.ros.joint_commands import JointCommands
 from aioduco.integrations.ros.trajectory_goals import GoalRules, NamedLimits
 from aioduco.integrations.ros.trajectory_server import GoalProgress, Through, TrajectoryServer
 from aioduco.integrations.ros.twist_commands import TwistCommands
+from aioduco.kinematics.catalogue import model_named, same_arm
 from aioduco.models.rules import Number, stored
 from aioduco.models.words import one_of
 
@@ -358,4 +359,18 @@ async def arm_node(
         guard=settings.guard or None,
         state_rate=settings.slow_rate,
     ) as robot:
+        await _compare_model(robot, settings.model)
         yield ArmNode(robot, settings, wall=wall, options=options)
+
+
+async def _compare_model(robot: Robot, model: str) -> None:
+    """Say if the controller reports another model than the one whose limits goals have to keep."""
+    try:
+        told = " ".join(filter(None, (await robot.version.get_robot_type())[:3]))
+    except DucoError:
+        return  # this controller does not say
+    if model_named(told) is not None and not same_arm(model, told):
+        _log.warning(
+            "the arm is a %s, but goals have to keep the limits of a %s: set the parameter model",
+            *(told, model),
+        )

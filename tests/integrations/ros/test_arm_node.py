@@ -16,9 +16,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from aioduco import Pose, TaskState
+from aioduco._process.reporting import reporter
 from aioduco.api.state import State
 from aioduco.errors import ParameterError
-from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings
+from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings, arm_node
 from aioduco.integrations.ros.arm_readings import DiagnosisLevel, diagnosis, placed_frames
 from aioduco.integrations.ros.trajectory_goals import (
     ErrorCode,
@@ -336,6 +337,18 @@ def test_frames_are_those_of_the_poses(tip: Pose, offset: Pose) -> None:
         np.testing.assert_allclose(frame.position, [pose.x, pose.y, pose.z], atol=1e-9)
         same = float(np.dot(frame.quaternion, pose.quaternion("xyzw")))
         assert abs(same) == pytest.approx(1.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("model", ["gcr5_910", "GCR5-910", "gcr20_1100"])
+async def test_an_arm_of_another_model_is_told(
+    sim: Simulator, caplog: pytest.LogCaptureFixture, model: str
+) -> None:
+    """Its joints are slower: the goals that the driver takes would leave the path."""
+    async with arm_node(NodeSettings(host=sim.host, port=sim.port, model=model, heartbeat=10.0)):
+        pass
+    reporter.flush()
+    said = [each for each in caplog.messages if "set the parameter model" in each]
+    assert len(said) == (model == "gcr20_1100"), caplog.messages
 
 
 @pytest.mark.parametrize("wrong", [{"rate": 0.0}, {"feedback_rate": 51.0}, {"slow_rate": -1.0}])
