@@ -552,12 +552,6 @@ def test_a_tap_says_that_it_cannot_listen() -> None:
     assert answer.stderr.startswith(f"the tap cannot listen on {there}: ")
 
 
-def test_a_tap_says_once_that_its_file_cannot_be_written(tmp_path: Path) -> None:
-    answer = run("tap", NOBODY, "--listen", "127.0.0.1:0", "--output", str(tmp_path))
-    assert answer.exit_code == 2
-    assert answer.stderr == f"{tmp_path} cannot be written: Is a directory\n"
-
-
 @pytest.mark.slow
 def test_a_tap_whose_reader_has_ended_ends_without_a_message() -> None:
     with Simulator() as sim:

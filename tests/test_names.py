@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from public_classes import named_on_pages
+from test_layers import BASE
 
 ROOT = Path(__file__).parents[1] / "aioduco"
 
@@ -100,16 +101,14 @@ def listed_names(tree: ast.Module) -> set[str] | None:
 
 
 def test_only_public_modules_list_their_names() -> None:
-    pages = (name.replace(".", "/") for name in named_on_pages())
-    on_pages = {f"{page}.py".partition("/")[2] for page in pages}
-    on_pages = {
-        f"{name.removeprefix('aioduco.').replace('.', '/')}.py" for name in named_on_pages()
-    }
+    """In others, a name without an underscore is for other modules, unless it is imported."""
+    public = [*named_on_pages(), *(f"aioduco.{name}" for name in BASE)]
+    files = {f"{name.replace('.', '/')}.py".partition("/")[2] for name in public} | LISTED
     needless = [
         path
         for path, tree in modules().items()
         if not path.endswith("__init__.py")
-        and path not in on_pages | LISTED
+        and path not in files
         and "generated" not in (ast.get_docstring(tree) or "").lower()
         and (names := listed_names(tree)) is not None
         and names <= own_names(tree)

@@ -13,6 +13,8 @@ from aioduco._process.copying import Uncopied
 if TYPE_CHECKING:
     from typing import Self
 
+__all__ = ["Closable", "Startable"]
+
 
 class Closable(Uncopied):
     """Closes on exit; asynchronously in a thread, as it takes a while."""

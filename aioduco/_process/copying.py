@@ -10,6 +10,7 @@ from aioduco.errors import NotCopyable
 if TYPE_CHECKING:
     from typing import Self
 
+__all__ = ["Frozen", "Uncopied"]
 
 _Value = TypeVar("_Value", bound="Frozen")
 

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from types import CodeType
 
+__all__ = ["FLUSH_LIMIT", "BackgroundLogger", "Reporter", "reporter"]
 
 #: seconds to write the queued messages, when a robot is closed or the interpreter exits
 FLUSH_LIMIT: Final = 1.0

@@ -18,6 +18,27 @@ from typing import Final
 
 from aioduco._wire import rpc
 
+__all__ = [
+    "ADDED",
+    "CLEAR_ERROR_MESSAGE",
+    "DISABLE_LASER_TRACK",
+    "ENABLE_LASER_TRACK",
+    "GET_BASE",
+    "GET_HOME_POSE",
+    "GET_INSTALLATION",
+    "GET_SIMULATION_STATE",
+    "GET_TCP_POSE_COMMAND",
+    "GET_TCP_SPEED_COMMAND",
+    "INSTEAD",
+    "IN_LISTS",
+    "RESET_LASER_TRACK",
+    "SCHEMES",
+    "EAxissInfo",
+    "ReachabilityParam",
+    "RobotStatus",
+    "in_lists",
+]
+
 GET_BASE: Final[rpc.WireCall[list[float]]] = rpc.WireCall("get_base", ())
 GET_HOME_POSE: Final[rpc.WireCall[list[float]]] = rpc.WireCall("get_home_pose", ())
 GET_INSTALLATION: Final[rpc.WireCall[list[float]]] = rpc.WireCall("get_installation", ())

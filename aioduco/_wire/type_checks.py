@@ -17,7 +17,6 @@ from numbers import Real
 from typing import Any, Final, TypeAlias
 
 from aioduco._wire.framing import TType
-from aioduco.models.numpy_on_use import is_scalar
 
 #: function that returns if the value fits, and else raises `TypeMismatch`
 Check: TypeAlias = Callable[[Any], None]
@@ -82,13 +81,18 @@ def _whole(bits: int) -> Check:
 def _double(value: Any) -> None:
     if type(value) is float and math.isfinite(value):
         return
-    number = value.item() if is_scalar(value) else value
+    number = _without_dimensions(value)
     try:
         fits = not isinstance(number, bool) and isinstance(number, Real) and math.isfinite(number)
     except OverflowError:  # a whole number too large for a double
         fits = False
     if not fits:
         raise TypeMismatch(value, "a finite number: double on the wire")
+
+
+def _without_dimensions(value: Any) -> Any:
+    """The number of an array without dimensions; any other value as it is."""
+    return value.item() if _is_numpy(value, "ndarray") and value.ndim == 0 else value
 
 
 def _flag(value: Any) -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+__all__ = ["MisspeltRefused", "did_you_mean", "unknown"]
 
 #: characters of the longest text that may be a name, and is shown whole
 _LONGEST = 100

@@ -6449,7 +6449,7 @@ class Robot(RobotLifecycle, ManualNames):
     def resume(self) -> bool:
         """Resume all paused tasks (恢复所有暂停的任务).
 
-        If this fails when it was sent, or is cancelled, the arm is stopped.
+        If this raises after it was sent, the arm is stopped.
 
         Returns:
             Whether anything was paused, as far as the controller says it. If not, nothing changes.

@@ -149,8 +149,8 @@ def test_in_the_vendors_class_with_every_name_that_is_printed(
 
 
 def compared(name: str, robot: compat.DucoCobot, answer: Any) -> None:
-    """The answer of ours says the same as that of the vendor's class."""
-    if isinstance(answer, (bool, int, float, str)):
+    """The answer of ours says the same as that of the vendor's class; `resume` tells more."""
+    if name != "resume" and isinstance(answer, (bool, int, float, str)):
         by_position, by_name = as_printed(name)
         assert getattr(robot, name)(*by_position, **by_name) == pytest.approx(answer)
 
