@@ -146,6 +146,7 @@ def test_what_a_user_of_the_ur_driver_knows(
     assert found["names"][0] == "joint_1"
 
 
+@pytest.mark.usefixtures("hangups")
 @pytest.mark.parametrize("told", [signal.SIGINT, signal.SIGHUP])
 def test_a_goal_has_its_result_when_the_driver_ends(
     graph: Graph, sim: Simulator, node: subprocess.Popen[str], told: signal.Signals
