@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import aioduco
@@ -123,7 +124,8 @@ ENDINGS = [
     carried_out("motion", name, {}, False)
     for name in ("speed_stop", "stop_manual_move", "end_teach_mode")
 ]
-WHOLE = [carried_out("", name, {}, False) for name in ("stop", "pause", "resume", "abort")]
+WHOLE = [carried_out("", name, {}, False) for name in ("stop", "pause", "abort")]
+RESUME = [replace(carried_out("", "resume", {}, False), result=False)]
 TEACHING = [Case("motion", "teach_mode", {"time": 30.0}, (False,), answer=1000, moves=True)]
 
-CASES = [*STATES, *SAMPLES, *SIGNALS, *POWER, *ENDINGS, *WHOLE, *TEACHING]
+CASES = [*STATES, *SAMPLES, *SIGNALS, *POWER, *ENDINGS, *WHOLE, *RESUME, *TEACHING]

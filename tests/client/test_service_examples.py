@@ -63,6 +63,9 @@ async def test_an_opc_ua_client_moves_and_stops_it(robot: aioduco.Robot, sim: Si
     module = example("server_opcua")
     endpoint = f"opc.tcp://127.0.0.1:{free_port()}"
     async with module.served(robot, endpoint), client_of(endpoint) as client:
+        await (
+            robot.rearm_heartbeat()
+        )  # making the server holds the loop, on a busy machine for long
         space = await client.get_namespace_index(module.NAMESPACE)
         arm = await client.nodes.objects.get_child(f"{space}:Arm")
         refused = await arm.call_method(f"{space}:Move", FAR[:5], 0.3)
