@@ -102,6 +102,7 @@ async def _awaits_nothing(*_: object, **__: object) -> None:
     StopCoordinator,
     "overtaken",
     programs.StoppedNow,
+    depth=2,
 )
 @mend(
     "a mode is left once, although it may be entered late",

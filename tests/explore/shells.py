@@ -48,7 +48,7 @@ from aioduco.supervision.stop_channel import StopChannel
 from aioduco.supervision.stop_coordinator import StopCoordinator
 from aioduco.supervision.task_command import Command as WireCommand
 
-from .arm import ArmWorld, Call, Command
+from .arm import MODE, ArmWorld, Call, Command
 from .world import Violation
 
 #: seconds after which a run must have ended, and turns of the loop that it may take
@@ -649,10 +649,22 @@ class Robot:
         self._void("robot.stop() has returned", before=asked)
 
     def stops_now(self) -> None:
-        """Stop the arm as a signal handler does; what is on its way is stopped by its sender."""
+        """Stop the arm as a signal handler does; what is on its way is stopped by its sender.
+
+        A mode takes longer than a motion: the event loop ends it, and tries that again.
+        """
         run, asked = self.run, self.run.asks
         run.void_unsent("robot.stop_now() was called after it was asked for")
+        under_way = [
+            command
+            for name, call in run.calls.items()
+            if call.state in ("sent", "served") and not call.broken
+            if (command := run.commands[name]).kind != MODE
+        ]
         self.coordinator.stop_now(2.0)
+        if under_way:
+            soon = "robot.stop_now() returned a second ago"
+            run.loop.call_later(1.0, lambda: self._void(soon, *under_way))
         why = "robot.stop_now() returned three seconds ago"
         run.loop.call_later(3.0, lambda: self._void(why, before=asked))
 
