@@ -212,9 +212,10 @@ async def test_a_pool_that_cannot_be_emptied_is_not_followed(pool: Desk) -> None
         aioduco.connect(proxy.host, proxy.port) as robot,
     ):
         await robot.track.trackEnqueue([Joints(*HOME)])
-        proxy.on("trackClearQueue", Cut(Place.BEFORE_REPLY), times=2)
+        proxy.on("trackClearQueue", Cut(Place.BEFORE_REPLY), times=None)
         await robot.stop()
         with pytest.raises(aioduco.RobotStateError, match="trackClearQueue was not answered"):
             await robot.track.trackJointMotion(1.0, 2.0)
+        proxy.clear()
         await robot.track.trackJointMotion(1.0, 2.0)
     assert pool.commands.count("trackJointMotion") == 1
