@@ -97,6 +97,7 @@ def test_each_writer_keeps_what_was_there_on_a_full_disk(tmp_path: Path, name: s
 if __name__ == "__main__":
     import resource
 
+    sys.dont_write_bytecode = True  # Python would leave the first 100 bytes, and others read them
     resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))  # bytes; pipes have no such limit
     try:
         WRITERS[os.path.basename(sys.argv[1])](Path(sys.argv[1]))  # noqa: PTH119 - a text

@@ -385,6 +385,7 @@ async def main(port, path):
         while figures().size == before:  # a chunk with those states
             await anyio.sleep(0.001)
         full = figures().size + 5_000
+        sys.dont_write_bytecode = True  # Python would cut off what it writes, too
         resource.setrlimit(resource.RLIMIT_FSIZE, (full, full))
         while robot.recording.running:
             await robot.state.get_robot_state()
