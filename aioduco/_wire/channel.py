@@ -163,9 +163,7 @@ class LaneCall(Call):
         if self.carrier is None:
             self.end(error=NotSent(f"{self.name} was not sent, since {reason}"))
         else:
-            self.carrier.give_up(
-                self, reason, failures.DeadlinePassed() if late else failures.Ended()
-            )
+            self.carrier.give_up(self, reason, failures.DeadlinePassed() if late else EOFError())
 
     def end(self, value: Any = None, error: BaseException | None = None) -> None:
         """Note the outcome, and wake the task that waits for it."""
@@ -344,7 +342,7 @@ class Channel(Carrier):
     def close(self, reason: str) -> None:
         """Close the connection; on the loop."""
         if self.call is not None:
-            self.give_up(self.call, reason, failures.Ended())
+            self.give_up(self.call, reason, EOFError())
         stream = self._stream
         if stream is not None and self.life.state is ConnectionState.IDLE:
             self._stream = None
@@ -392,7 +390,7 @@ class Channel(Carrier):
             self._opening = None
             self._end(error=failures.of_two(call.first, exc))
         except BaseException:
-            self.give_up(call, "the wait for its connection was interrupted", failures.Ended())
+            self.give_up(call, "the wait for its connection was interrupted", EOFError())
             raise
 
     def _begin(self, work: Coroutine[Any, Any, None]) -> asyncio.Task[None]:
@@ -428,7 +426,7 @@ class Channel(Carrier):
             data = stream.receive_at_once()
         except BlockingIOError:
             return
-        except (failures.Ended, OSError) as exc:
+        except (EOFError, OSError) as exc:
             self._lost(exc)
             return
         self._received(data)
@@ -463,9 +461,9 @@ class Channel(Carrier):
                 if self.call is not call or self._stream is not stream:
                     return
                 if not data:
-                    raise failures.Ended  # noqa: TRY301  # one way out for all failures
+                    raise EOFError  # noqa: TRY301  # one way out for all failures
                 self._received(data)
-        except (failures.Ended, OSError) as exc:
+        except (EOFError, OSError) as exc:
             if self.call is call and self._stream is stream:
                 self._lost(exc)
 

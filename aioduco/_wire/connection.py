@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 from aioduco._wire import codec, idl
 from aioduco._wire.deadline_socket import DeadlineSocket
 from aioduco._wire.endpoint import Endpoint
-from aioduco._wire.failures import DeadlinePassed, Ended, failure, reason_of
+from aioduco._wire.failures import DeadlinePassed, failure, reason_of
 from aioduco._wire.forks import fork_hooks
 from aioduco._wire.framing import Malformed
 from aioduco._wire.idempotence import CallKind, call_kind
@@ -131,7 +131,7 @@ class Connection:
         try:
             found = list(addresses) if addresses else self._endpoint.resolve(limit)
             self._connect(found, limit)
-        except (OSError, UnicodeError, Ended) as exc:
+        except (OSError, UnicodeError, EOFError) as exc:
             given_up = self.state is not ConnectionState.NEW
             self._end("it could not be made")
             if given_up:
@@ -163,7 +163,7 @@ class Connection:
                     # shows it. A later `abandon` ends the handshake.
                     self._stream = stream
                     if self._life.state is not ConnectionState.NEW:
-                        raise Ended  # one way out for all ends
+                        raise EOFError  # one way out for all ends
                 stream.connect(until)
             except OSError as exc:
                 error = exc
@@ -171,7 +171,7 @@ class Connection:
                 continue
             with self._guard:
                 if not self._life.opened():
-                    raise Ended
+                    raise EOFError
             self._endpoint.route.address = address[-1]
             return
         raise error
@@ -277,7 +277,7 @@ class Connection:
         with self._guard:
             if not self._life.complete():
                 # abandoned while the last bytes arrived: the caller already has an error
-                raise self._failure(function, Ended())
+                raise self._failure(function, EOFError())
         if self._exchange.surplus:
             self._end("bytes came behind an answer")  # the answer itself is valid
         return answer.get()
@@ -388,7 +388,7 @@ class Connection:
             stream.receive(deadline)
         except DeadlinePassed:
             return False
-        except (Ended, OSError):
+        except (EOFError, OSError):
             self._drop()
             return False
         self._drop()

@@ -12,7 +12,7 @@ import time
 from typing import TYPE_CHECKING, Final
 
 from aioduco._process.platform import CONNECTING, limits_sockets, readiness, unacknowledged
-from aioduco._wire.failures import DeadlinePassed, Ended
+from aioduco._wire.failures import DeadlinePassed
 from aioduco._wire.nonblocking import disconnect, is_silent, send_at_once
 
 if TYPE_CHECKING:
@@ -83,14 +83,14 @@ class DeadlineSocket:
         Raises:
             TimeoutError: the deadline has passed.
             OSError: the system's error.
-            Ended: the socket was shut down.
+            EOFError: the socket was shut down.
         """
         self.prepare()
         error = self.socket.connect_ex(self._to)
         # A shutdown before the line above had no effect on the socket, but has set `_shut`. A later
         # one ends the wait.
         if self._shut:
-            raise Ended
+            raise EOFError
         if error in CONNECTING:
             error = self._wait_connected(deadline)
         if error:
@@ -132,13 +132,13 @@ class DeadlineSocket:
         """Return bytes that have arrived, without removing them from the system's buffer.
 
         Raises:
-            Ended: the other side closed the connection.
+            EOFError: the other side closed the connection.
         """
         if self.silent or not self._readable(0):
             return b""
         found = self.socket.recv(64, socket.MSG_PEEK)
         if not found:
-            raise Ended
+            raise EOFError
         return found
 
     @property
@@ -192,11 +192,11 @@ class DeadlineSocket:
 
         Raises:
             BlockingIOError: none have arrived.
-            Ended: the other side closed the connection.
+            EOFError: the other side closed the connection.
         """
         data = self.socket.recv(_CHUNK)
         if not data:
-            raise Ended
+            raise EOFError
         return data
 
     def answers_within(self, seconds: float) -> bool:
@@ -208,7 +208,7 @@ class DeadlineSocket:
 
         Raises:
             DeadlinePassed: none arrived before the deadline.
-            Ended: the other side closed the connection.
+            EOFError: the other side closed the connection.
         """
         while True:
             self._limit_to(deadline)
@@ -221,7 +221,7 @@ class DeadlineSocket:
                     self._waiting()
                 continue
             if not data:
-                raise Ended
+                raise EOFError
             return data
 
     @property

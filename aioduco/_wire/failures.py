@@ -1,4 +1,7 @@
-"""What becomes of a call whose connection failed: without socket, thread or clock."""
+"""What becomes of a call whose connection failed: without socket, thread or clock.
+
+`EOFError` stands for a connection that the other side closed, or that was given up.
+"""
 
 from __future__ import annotations
 
@@ -38,17 +41,13 @@ class DeadlinePassed(Exception):
     """The deadline of an operation has passed."""
 
 
-class Ended(Exception):
-    """The other side closed the connection, or it was given up."""
-
-
 def reason_of(exc: BaseException, progress: Progress) -> str:
     """Return in words why a connection failed during a call with this progress."""
     match exc:
         case DeadlinePassed():
             unsent = progress is Progress.NOTHING_SENT
             return "the system did not take it in time" if unsent else "no answer came in time"
-        case Ended():
+        case EOFError():
             return "the controller closed the connection"
         case OSError():
             return f"the connection broke ({exc.strerror or exc})"
@@ -77,7 +76,7 @@ def failure(
         return OutcomeUnknown(name, reason)
     if late:
         return CallTimeout(f"{name}: {reason}; the connection was closed")
-    if isinstance(exc, Ended | OSError):
+    if isinstance(exc, EOFError | OSError):
         return ConnectionLost(f"{name}: {reason}; it only reads, so it may be called again")
     return ProtocolError(f"{name}: {reason}; the connection was closed")
 

@@ -13,7 +13,7 @@ from threading import Thread
 from typing import TYPE_CHECKING, Any, Final
 
 from aioduco._wire.channel import Carrier, LaneCall
-from aioduco._wire.failures import Ended, of_two
+from aioduco._wire.failures import of_two
 from aioduco._wire.idempotence import CallKind, call_kind
 from aioduco._wire.lifecycle import Progress
 from aioduco._wire.own_connection import OwnConnection
@@ -120,7 +120,7 @@ class PoolThread(Carrier):
     def close(self, reason: str) -> None:
         """Make the thread close its connection and end."""
         if self.call is not None:
-            self.give_up(self.call, reason, Ended())
+            self.give_up(self.call, reason, EOFError())
         self._inbox.put(loop_callback(self._ended.set))
 
     async def closed(self) -> None:

@@ -16,7 +16,6 @@ import pytest
 
 from aioduco._wire.connection import Connection
 from aioduco._wire.deadline_socket import DeadlineSocket
-from aioduco._wire.failures import Ended
 from aioduco.errors import DucoError, OutcomeUnknown
 from aioduco.testing import DropReply, FaultProxy, RecordingServer
 
@@ -96,7 +95,7 @@ def test_a_thread_that_waits_is_woken() -> None:
         def wait() -> None:
             try:
                 stream.receive(None)
-            except (Ended, OSError) as exc:
+            except (EOFError, OSError) as exc:
                 ended.append(exc)
 
         thread = threading.Thread(target=wait)
