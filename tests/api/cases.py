@@ -112,15 +112,22 @@ async def _reached(name: str, args: tuple[Any, ...]) -> Any:
     raise _Reached
 
 
-def refusal(case: Case, **changed: Any) -> BaseException | None:
+def nobody() -> aioduco.Robot:
+    """A robot that is never connected to, and remembers only what it is asked for from now on."""
+    return aioduco.connect(NOBODY.host)
+
+
+def refusal(
+    case: Case, robot: aioduco.Robot | None = None, /, **changed: Any
+) -> BaseException | None:
     """What a call with other arguments raises before anything could be sent; None if nothing."""
-    nobody = aioduco.connect(NOBODY.host)  # a new one: what it remembers is its own
+    robot = nobody() if robot is None else robot
     if case.section:
-        getattr(nobody, case.section)._rpc = AsyncRpc(_reached)
+        getattr(robot, case.section)._rpc = AsyncRpc(_reached)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", aioduco.UnitWarning)
-            made = case.method(nobody)(**(case.args | changed))
+            made = case.method(robot)(**(case.args | changed))
     except Exception as exc:
         return exc
     if isinstance(made, MotionCommand):

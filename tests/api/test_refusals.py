@@ -16,7 +16,7 @@ import aioduco
 from aioduco import Jog, JogDirections, Joints, Op, ParameterError, Pose
 from aioduco._wire import idl
 from aioduco.models import ranges
-from api.cases import Case, cases, refusal
+from api.cases import Case, cases, nobody, refusal
 from api.desk import Desk
 from api.limits import NEVER, NOT_FINITE, edges, rules_of, wrong
 from api.test_reachable import EXCEPTIONS, reachable
@@ -113,8 +113,9 @@ def refused(function: str, name: str) -> SearchStrategy[tuple[Any, ...]]:
 @settings(max_examples=2)
 @given(data=st.data())
 def test_a_wrong_argument_is_refused(case: Case, name: str, data: st.DataObject) -> None:
+    robot = nobody()  # one for all of them: none may leave anything behind
     for value in data.draw(refused(case.name, name)):
-        error = refusal(case, **{name: value})
+        error = refusal(case, robot, **{name: value})
         assert isinstance(error, ParameterError), (value, error)
         assert error.parameter.partition("[")[0].partition(".")[0] == name
         assert str(error).endswith("nothing was sent")
@@ -156,8 +157,9 @@ def test_points_are_counted(function: str, fewest: int, most: int) -> None:
 
 @pytest.mark.parametrize("case", cases(), ids=str)
 def test_the_error_says_what_is_expected(case: Case) -> None:
+    robot = nobody()
     for name in case.parameters:
-        error = refusal(case, **{name: object()})
+        error = refusal(case, robot, **{name: object()})
         assert isinstance(error, ParameterError)
         assert error.expected
 
