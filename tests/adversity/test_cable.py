@@ -76,6 +76,20 @@ async def moving(
             return
 
 
+async def move_again(robot: aioduco.Robot) -> None:
+    """The program goes on; tried again if a busy machine gives the next beats too late as well."""
+    for attempt in itertools.count(1):
+        try:
+            await robot.rearm_heartbeat(timeout=60.0)
+            await robot.bring_up()
+            assert await robot.motion.movej2(RIGHT, v=2.0, a=8.0) is Outcome.FINISHED
+        except (HeartbeatLost, TaskError):
+            if attempt == 20:
+                raise
+        else:
+            return
+
+
 def freeze(proxy: FaultProxy) -> None:
     """Nothing passes, and nobody is told."""
     proxy.freeze()
@@ -153,9 +167,7 @@ async def test_for_longer_than_the_heartbeat(
         proxy.clear()
         with pytest.raises(TaskStopped):
             await task
-        await robot.rearm_heartbeat()
-        await robot.bring_up()
-        assert await robot.motion.movej2(RIGHT, v=2.0, a=8.0) is Outcome.FINISHED
+        await move_again(robot)
     await see_it_stand(sim, "the program")
 
 
@@ -183,5 +195,4 @@ async def test_the_error_comes_as_soon_as_the_controller_has_stopped_the_arm(
         finally:
             proxy.clear()
         assert isinstance(caught.value.__cause__, HeartbeatLost)
-        await robot.rearm_heartbeat(timeout=60.0)
-        assert await robot.motion.movej2(RIGHT, v=2.0, a=8.0) is Outcome.FINISHED
+        await move_again(robot)
