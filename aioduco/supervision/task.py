@@ -41,6 +41,8 @@ class TaskControl(Protocol):
 
     #: whether a motion may be running that is not followed
     unfollowed_motion: bool
+    #: whether the connections are closed, so that nothing can be sent any more
+    closed: bool
 
     @property
     def stops(self) -> int:

@@ -41,7 +41,7 @@ from aioduco.errors import (
 )
 from aioduco.models.enums import Outcome, TaskState
 from aioduco.models.trace import tell
-from aioduco.supervision.concurrency import GRID, Alarm, on_grid
+from aioduco.supervision.concurrency import GRID, Alarm, on_grid, run_to_completion
 from aioduco.supervision.task import Task, TaskControl
 from aioduco.supervision.task_command import Command
 from aioduco.supervision.task_state import STOOD, Successor, added_entries
@@ -299,7 +299,11 @@ class TaskFollower:
                 else:
                     await self._ask(task)
         finally:
-            self._close()
+            try:
+                if not (self._arm.closed or self._lane.owner_loop.in_forked_child):
+                    await self._stop_unfollowed()
+            finally:
+                self._close()
 
     async def _ask(self, task: Task) -> None:
         if task.eta is not None and not task.placed:
@@ -460,6 +464,17 @@ class TaskFollower:
         if not was_done:
             tell(self.observers, task)
 
+    async def _stop_unfollowed(self) -> None:
+        """Stop the motions before they end as unknown: other code has cancelled what follows them.
+
+        Mostly the event loop ends: it waits for this, as it cancels everything.
+        """
+        for task in self.motions[:1]:
+            step = partial(run_to_completion, self._arm.halt)
+            fault = await self._see(task, step, "%r is not followed any more: %s")
+            for other in self.motions:
+                other.fault = other.fault or fault
+
     def _close(self) -> None:
         self._closed = True
         now = time.monotonic()
@@ -481,7 +496,7 @@ class TaskFollower:
         self._background.start(self._see_lapsed(task, mark_ended), "aioduco lost heartbeat")
 
     async def _see(
-        self, task: Task, step: Callable[[], Awaitable[None]], failed: str
+        self, task: Task, step: Callable[[], Awaitable[object]], failed: str
     ) -> StopUnconfirmed | None:
         """Carry out a step that brings the arm to rest. If that is not known in the end, say so.
 

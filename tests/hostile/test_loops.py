@@ -246,6 +246,38 @@ def test_the_end_of_a_loop_stops_the_arm_and_another_loop_leaves_the_robot(
     assert "closed" in repr(robot)
 
 
+@pytest.mark.parametrize("answered", [True, False], ids=["answered", "not answered"])
+def test_an_await_that_the_end_of_a_loop_cancels_ends_when_the_arm_stands_or_says_so(
+    new_loop: NewLoop, bench: Bench, answered: bool
+) -> None:
+    """`loop.stop()` in `asyncio.run` cancels all tasks, in any order: the supervision's first."""
+    bench.motion_time, bench.braking_time = 60.0, 0.3
+    if not answered:
+        bench.hold("stop")
+    told: list[BaseException] = []
+    moving: list[bool] = []
+
+    async def main() -> None:
+        own = asyncio.current_task()
+        async with aioduco.connect(bench.host, bench.port, stop_timeout=0.3) as robot:
+            task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+            others = asyncio.all_tasks() - {own}
+            for one in (*others, own):
+                assert one is not None
+                asyncio.get_running_loop().call_soon(one.cancel)
+            try:
+                await task
+            except BaseException as exc:
+                told.append(exc)
+                moving.append(bench.moving())
+                raise
+
+    with pytest.raises(asyncio.CancelledError if answered else aioduco.StopUnconfirmed):
+        run(new_loop, main)
+    assert moving == [not answered]
+    assert isinstance(told[0], aioduco.StopUnconfirmed) is not answered
+
+
 @GUARDS
 def test_a_robot_is_left_on_another_loop_if_its_own_was_closed_in_the_middle(
     new_loop: NewLoop, bench: Bench, guard: Any

@@ -112,7 +112,8 @@ async def test_a_stop_that_cannot_be_confirmed_says_so(bench: Bench) -> None:
     bench.answer("stop", -1)
     with pytest.raises(aioduco.StopUnconfirmed, match="Press the emergency stop") as caught:
         await robot.stop()
-    assert isinstance(caught.value.__cause__, aioduco.Refused)
+    # the last attempt has what is left of the time
+    assert isinstance(caught.value.__cause__, aioduco.Refused | aioduco.OutcomeUnknown)
     with pytest.raises(aioduco.StopUnconfirmed, match="no stop was accepted"):
         robot.stop_now(0.2)
     # The way out tries once more, says the same, and closes everything all the same.
