@@ -152,6 +152,12 @@ def test_an_output_that_cannot_be_written_ends_the_command_without_a_traceback(
     with os.fdopen(theirs, "wb") as closed:
         ended = subprocess.run(command, stdout=closed, stderr=subprocess.PIPE, check=False)
     assert (ended.returncode, ended.stderr) == (1, b"")
+    closing = "import os, sys; os.close(1); os.execv(sys.executable, sys.argv[1:])"  # as `>&-`
+    ended = subprocess.run(
+        [sys.executable, "-c", closing, *command], stderr=subprocess.PIPE, check=False
+    )
+    said = b"the output cannot be written: Bad file descriptor\n"
+    assert (ended.returncode, ended.stderr) == (1, said)
 
 
 class FullDisk(io.StringIO):
@@ -204,7 +210,7 @@ def test_no_socket_takes_the_number_of_a_closed_stream() -> None:
     looked = (
         "import sys, socket; from aioduco.cli.output import guard_streams; guard_streams()\n"
         "number = socket.socket().fileno()\n"
-        "print('lost'); sys.stderr.write('lost')\n"
+        "sys.stderr.write('lost')\n"
         "sys.exit(10 * (number > 2) + sys.stdin.isatty() + len(sys.stdin.read()))"
     )
     closed = "import os, sys; os.closerange(0, 3); os.execv(sys.executable, sys.argv[1:])"

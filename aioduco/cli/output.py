@@ -39,10 +39,12 @@ class OutputFailed(Exception):
         self.error = error
 
 
-#: descriptor of the standard error
-_LAST_STREAM: Final = 2
-#: errors of a write to a full disk, to a closed terminal, or to a pipe that nobody reads
-_UNWRITABLE: Final = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EPIPE}
+#: descriptors of the standard output and the standard error
+_OUTPUT, _LAST_STREAM = 1, 2
+#: errors of a write to a full disk, a closed terminal, a pipe that nobody reads, a closed output
+_UNWRITABLE: Final = {
+    errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EPIPE, errno.EBADF
+}  # fmt: skip
 
 
 def shown(text: str) -> str:
@@ -158,8 +160,12 @@ def _open_closed_streams() -> None:
     """Open the standard streams that are closed, as a daemon's may be.
 
     Otherwise a socket takes such a number, and a process of this package takes it for its stream.
+    A result that is written to a closed output fails, as with other commands; a message does not.
     """
     while (descriptor := os.open(os.devnull, os.O_RDWR)) <= _LAST_STREAM:
+        if descriptor == _OUTPUT:
+            os.close(descriptor)
+            os.open(os.devnull, os.O_RDONLY)
         os.set_inheritable(descriptor, True)
     os.close(descriptor)
     if sys.stdin is None:
