@@ -15,7 +15,7 @@ from opentelemetry import metrics, trace
 from opentelemetry.trace import SpanKind, StatusCode
 
 import aioduco
-from aioduco import ParameterError, RobotStateError, TaskState, events
+from aioduco import ParameterError, Robot, RobotStateError, TaskState, events
 from aioduco._process.copying import Uncopied
 from aioduco.models.trace import CallFinished, ConnectionOpened, ProcedureFinished
 from aioduco.models.words import one_of
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from opentelemetry.metrics import CallbackOptions, MeterProvider, Observation
     from opentelemetry.trace import Span, TracerProvider
 
-    from aioduco import Robot, StreamStatistics
+    from aioduco import StreamStatistics, Subscription
     from aioduco.models.trace import TraceEvent
 
 
@@ -161,18 +161,25 @@ class Telemetry(Uncopied):
 
         Motions that still run at the end get their span then, with the outcome `unknown`. An error
         of the block leaves it as it is.
+
+        Raises:
+            ParameterError: this is no robot that `aioduco.connect` returned.
+            RobotStateError: the robot was closed.
         """
-        self._watched = robot
-        tasks = await anyio.create_task_group().__aenter__()
-        tasks.start_soon(self._follow, robot)
-        try:
-            yield
-        finally:
-            self._watched = None
-            tasks.cancel_scope.cancel()
-            # without the error, which a group of tasks would wrap
-            await tasks.__aexit__(None, None, None)
-            self.close()
+        if not isinstance(robot, Robot):
+            raise ParameterError("robot", robot, "a robot that `aioduco.connect` returned")
+        with robot.events.subscribe() as subscribed:
+            self._watched = robot
+            tasks = await anyio.create_task_group().__aenter__()
+            tasks.start_soon(self._follow, subscribed)
+            try:
+                yield
+            finally:
+                self._watched = None
+                tasks.cancel_scope.cancel()
+                # without the error, which a group of tasks would wrap
+                await tasks.__aexit__(None, None, None)
+                self.close()
 
     def stream_ended(self, statistics: StreamStatistics, name: str = "") -> None:
         """Record the statistics of a stream: `telemetry.stream_ended(stream.statistics())`."""
@@ -187,8 +194,8 @@ class Telemetry(Uncopied):
         for motion in left.values():
             self._record(motion, time.monotonic(), "unknown")
 
-    async def _follow(self, robot: Robot) -> None:
-        with contextlib.suppress(RobotStateError), robot.events.subscribe() as subscribed:
+    async def _follow(self, subscribed: Subscription[events.Event]) -> None:
+        with contextlib.suppress(RobotStateError):  # the robot was closed
             async for event in subscribed:
                 if isinstance(event, events.LoopBlocked):
                     self._stalls.record(event.seconds, self._named())

@@ -17,6 +17,7 @@ from opentelemetry.sdk.trace.export.in_memory_span_exporter import InMemorySpanE
 from opentelemetry.trace import StatusCode
 
 import aioduco
+import aioduco.sync
 from aioduco.integrations.otel import Telemetry
 from aioduco.models.trace import (
     CallFinished,
@@ -226,6 +227,22 @@ async def test_an_error_of_the_watched_block_leaves_it_as_it_is(
             async with telemetry.watching(robot):
                 await anyio.sleep_forever()
         assert scope.cancelled_caught
+
+
+async def test_what_is_no_robot_or_a_closed_one_is_not_watched(duco_simulator: Simulator) -> None:
+    """And the error is that of the argument, not a group of errors from inside."""
+    telemetry = Backend().telemetry()
+    strangers: list[Any] = ["no robot", None, aioduco.sync.connect(duco_simulator.host)]
+    for stranger in strangers:
+        with pytest.raises(aioduco.ParameterError, match=r"robot is .* `aioduco.connect` returned"):
+            async with telemetry.watching(stranger):
+                pytest.fail("watched")
+    robot = aioduco.connect(duco_simulator.host, duco_simulator.port)
+    async with robot:
+        pass
+    with pytest.raises(aioduco.RobotStateError, match="is closed"):
+        async with telemetry.watching(robot):
+            pytest.fail("watched")
 
 
 def test_histograms_in_seconds_have_buckets_for_seconds() -> None:
