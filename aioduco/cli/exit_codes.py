@@ -24,6 +24,13 @@ NOT_CONFIRMED: Final = 3
 STOP_UNCONFIRMED: Final = 4
 #: a person has to do something at the arm first; the message says what
 PERSON_NEEDED: Final = 5
+#: function of the robot that errors and advice name -> the command for it
+_COMMANDS: Final = {
+    **{name: f"`aioduco {name}`" for name in ("recover", "stop", "pause", "resume")},
+    "bring_up": "`aioduco bring-up`",
+    "rearm_heartbeat": "`aioduco recover`",
+    "fc_force_set_value": "`aioduco call fc_force_set_value`",
+}
 #: plus the number of the signal that ended the command: 130 for Ctrl-C
 SIGNALLED: Final = 128
 
@@ -40,6 +47,13 @@ class Terminated(KeyboardInterrupt):
     def __init__(self, number: int) -> None:
         super().__init__(number)
         self.number = number
+
+
+def say_error(told: object) -> None:
+    """Print an error or advice of the robot, with commands in place of its functions."""
+    from aioduco.models.user_terms import in_terms_of  # noqa: PLC0415 - quick help
+
+    say(in_terms_of(_COMMANDS, str(told)), error=True)
 
 
 def fail(message: object, code: int = FAILED) -> NoReturn:
@@ -110,16 +124,16 @@ def ended_by_errors(interrupted: str = "interrupted") -> Iterator[None]:
         try:
             yield
         except StopUnconfirmed as error:
-            say(error, error=True)
+            say_error(error)
             code = STOP_UNCONFIRMED
         except PersonNeeded as error:
-            say(error, error=True)
+            say_error(error)
             code = PERSON_NEEDED
         except ParameterError as error:  # of an option or argument; nothing was sent
-            say(error, error=True)
+            say_error(error)
             code = USAGE
         except (DucoError, OSError) as error:  # an OSError: of a file
-            say(error, error=True)
+            say_error(error)
             code = FAILED
         except KeyboardInterrupt as end:
             say(interrupted, error=True)

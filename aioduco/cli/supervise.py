@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from aioduco.cli.addresses import CellFile, Host, Port, RobotAddress, robot_at
-from aioduco.cli.exit_codes import fail
+from aioduco.cli.exit_codes import fail, say_error
 from aioduco.cli.options import Yes
 from aioduco.cli.output import plain, print_json, say
 from aioduco.cli.questions import SAFE, ask
@@ -144,4 +144,4 @@ def _ready(address: RobotAddress, report: RecoverReport, as_json: bool) -> None:
     else:
         say(f"{address}: ready; {report.states}")
     if report.advice:
-        say(report.advice, error=True)
+        say_error(report.advice)

@@ -67,6 +67,7 @@ from aioduco.kinematics.catalogue import model_named
 from aioduco.models.host_port import host_port
 from aioduco.models.ranges import LISTEN_HOST
 from aioduco.models.rules import Number
+from aioduco.models.user_terms import in_terms_of
 from aioduco.recording.playback.player import arm_named
 
 if TYPE_CHECKING:
@@ -103,6 +104,14 @@ _OF_COMMANDER: Final = (events.EnvelopeLeft, events.EnvelopeUnwatched, events.He
 _MOST_STOPS: Final = 4
 #: model that is drawn if the controller does not report a known one
 _DRAWN_AS: Final = "gcr5_910"
+#: function of the robot that errors name -> the page's button for it
+_BUTTONS: Final = {
+    "bring_up": "Bring up",
+    "recover": "Recover",
+    "rearm_heartbeat": "Recover",
+    "stop": "STOP",
+    "resume": "Resume",
+}
 
 
 class _Stopping:
@@ -602,7 +611,8 @@ class Panel(Uncopied):
 
     def _note(self, text: str, severity: str = "info") -> None:
         """Show a line among the events of every page."""
-        line = {"at": time.strftime("%H:%M:%S"), "text": text, "severity": severity}
+        told = in_terms_of(_BUTTONS, text)
+        line = {"at": time.strftime("%H:%M:%S"), "text": told, "severity": severity}
         self._events.append(line)
         self._server.broadcast({"tell": "event", **line})
 

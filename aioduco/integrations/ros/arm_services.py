@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from aioduco import Joints, Pose, ProgramState
 from aioduco.errors import DucoError
+from aioduco.integrations.ros.service_table import said
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Sequence
@@ -98,7 +99,7 @@ class ArmServices:
         try:
             self._robot.stop_now()
         except DucoError as error:
-            return ServiceReply(False, str(error))
+            return ServiceReply(False, said(error))
         try:
             return portal.call(self.stop)
         except RuntimeError:
@@ -348,5 +349,5 @@ async def _answered(step: Awaitable[object], text: str = "") -> ServiceReply:
     try:
         outcome = await step
     except (DucoError, TypeError, ValueError, TimeoutError) as error:
-        return ServiceReply(False, str(error) or repr(error))
-    return ServiceReply(True, text or str(outcome))
+        return ServiceReply(False, said(error))
+    return ServiceReply(True, text or said(outcome))

@@ -33,6 +33,7 @@ from aioduco.integrations.ros.path_parts import (
     rest_of_path,
     whole_path,
 )
+from aioduco.integrations.ros.service_table import said
 from aioduco.integrations.ros.trajectory_goals import (
     ErrorCode,
     GoalEnded,
@@ -425,11 +426,11 @@ class TrajectoryServer:
             handle.cancelled(self._why)
         elif begun:
             _log.warning("goal aborted: %s", error)
-            handle.aborted(code_of(error), str(error) or repr(error))
+            handle.aborted(code_of(error), said(error))
         else:
             _log.warning("goal rejected: %s", error)
             code = error.code if isinstance(error, GoalRefused) else ErrorCode.INVALID_GOAL
-            handle.rejected(code, str(error) or repr(error))
+            handle.rejected(code, said(error))
 
     async def _ready(self, job: _Job) -> Sequence[float]:
         """Wait for the start time of a goal, and check that the arm is ready and at its start.

@@ -249,6 +249,21 @@ async def test_an_arm_that_is_not_ready_refuses_goals(node: ArmNode, sim: Simula
     assert "bring_up" in client.text
 
 
+async def test_errors_name_services_and_not_functions_of_python(
+    node: ArmNode, sim: Simulator
+) -> None:
+    assert (await node.services.bring_up()).success
+    node.robot._supervisor.gate.hang()
+    refused = await node.services.movej(START, 3.0, 20.0)
+    assert refused.message.endswith("the event loop hung; call ~/recover to go on")
+    client = Client(goal())
+    await settled(node, client)
+    assert "~/recover" in client.text
+    assert "robot." not in client.text
+    assert (await node.services.recover()).success
+    assert (await node.services.movej(START, 3.0, 20.0)).success
+
+
 @pytest.mark.slow
 async def test_services_do_what_they_say(node: ArmNode, sim: Simulator) -> None:
     services = node.services

@@ -1,0 +1,54 @@
+"""Texts for those who do not call the robot in Python name what they have in its place."""
+
+from __future__ import annotations
+
+import pytest
+
+import aioduco
+from aioduco.cli import exit_codes
+from aioduco.integrations.panel.panel import _BUTTONS
+from aioduco.integrations.ros.service_table import _IN_PLACE_OF, said
+from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState
+from aioduco.models.names import place
+from aioduco.models.state import RobotStates
+from aioduco.models.user_terms import in_terms_of
+from aioduco.supervision.bringup import BringUp, RecoverReport
+
+
+def states(program: ProgramState) -> RobotStates:
+    return RobotStates(
+        sequence=0,
+        received_at=0.0,
+        robot=RobotState.ENABLE,
+        program=program,
+        safety=SafetyState.RUN,
+        mode=OperationMode.AUTO,
+    )
+
+
+def test_functions_are_replaced_and_nothing_else_is() -> None:
+    names = {"stop": "STOP", "recover": "HELP", "rearm_heartbeat": "HELP"}
+    for text, told in {
+        "call robot.rearm_heartbeat() or robot.recover(), and go on": "call HELP, and go on",
+        "robot.stop(), or stop() again": "STOP, or STOP again",
+        "task.stop() of robot.motion.movel, robot.envelope": None,
+        "a stop to recover from": None,
+        "nonstop() robot.stopped": None,
+    }.items():
+        assert in_terms_of(names, text) == (told or text)
+
+
+@pytest.mark.parametrize("names", [_IN_PLACE_OF, exit_codes._COMMANDS, _BUTTONS])
+def test_every_door_names_what_it_has(names: dict[str, str]) -> None:
+    assert all(place(name) or hasattr(aioduco.Robot, name) for name in names)
+    told = ["the event loop hung; call robot.rearm_heartbeat() or robot.recover() to go on"]
+    for program in (ProgramState.PAUSED, ProgramState.RUNNING):
+        with pytest.raises(aioduco.RobotStateError) as refused:
+            BringUp().next(states(program), emergency_stop=False, collision=False)
+        told.append(str(refused.value))
+    if "fc_force_set_value" in names:
+        told.append(RecoverReport(states(ProgramState.STOPPED), True, sensor_tared=True).advice)
+    for text in told:
+        assert "robot." in text
+        assert "robot." not in in_terms_of(names, text)
+    assert said(told[0]) == "the event loop hung; call ~/recover to go on"
