@@ -106,6 +106,13 @@ def test_type_checkers_know_that_it_is_not_there() -> None:
         _ = ROBOTS[0].movej2  # type: ignore[attr-defined]  # what this is about
 
 
+def test_what_closes_a_robot_that_was_opened_by_a_call_is_named() -> None:
+    robot: Any = aioduco.connect("192.0.2.1")
+    with pytest.raises(NamedElsewhere, match=r"`await robot\.aclose\(\)`$"):
+        _ = robot.close
+    assert callable(robot.aclose)
+
+
 def test_a_wait_of_blocking_programs_is_named_in_those_with_async() -> None:
     robot: Any = aioduco.connect("192.0.2.1")
     for one in (robot, robot.motion):

@@ -32,7 +32,7 @@ BY_ITSELF: Final = {
 CLIENT_SIDE: Final = {
     "DucoCobot": "`aioduco.connect()`",
     "open": "`async with aioduco.connect() as robot`",
-    "close": "the end of `async with`",
+    "close": "the end of `async with`, or `await robot.aclose()`",
     "get_version": "`aioduco.__version__`",
 }
 
