@@ -92,6 +92,8 @@ class Realtime(Section, RealtimeStreams):
     async def realtime_data_enqueue(self, points: Iterable[RealtimePoint]) -> None:
         """Put points into the queue (实时数据入队).
 
+        Cancelling this stops the arm, and ends the mode.
+
         Args:
             points: points made by the class methods of `RealtimePoint`, all for one mode; points
                 for another mode than the one that is on have no effect.
@@ -102,6 +104,8 @@ class Realtime(Section, RealtimeStreams):
             Refused: the queue has no room for the points; `get_realtime_data_queue_size` returns
                 how many wait.
             TaskError: the points were not put in.
+            OutcomeUnknown: the answer was lost; the arm was stopped, and the mode ended.
+            StopUnconfirmed: it is not known that the arm stands.
             EnvelopeViolated: joint positions are beyond a limit of `robot.envelope`, or the arm is
                 that follows them; nothing was sent.
 
@@ -119,7 +123,7 @@ class Realtime(Section, RealtimeStreams):
         call = calls.realtime_data_enqueue([point.wire() for point in given], True)
         with self._supervisor.asked_for(call.name):
             await self._supervisor.envelope.admit(call.name, joints, moves=moves)
-            answer = await self._feed(call)
+            answer = await self._feed(call, _ENDING)
             if answer == -1:
                 raise Refused(call.name, answer, "the realtime queue has no room for the points")
             check_finished(call.name, answer)

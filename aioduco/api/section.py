@@ -240,18 +240,20 @@ class Section(Uncopied, ManualNames):
                     modes.over(ending)
                 raise
 
-    async def _feed(self, call: WireCall[int]) -> int:
+    async def _feed(self, call: WireCall[int], ending: str) -> int:
         """Send points that the arm may follow at once, without a task of their own.
 
         Args:
             call: the call.
+            ending: the function of the wire that ends the mode of the points, or removes them.
 
         Returns:
             The answer.
         """
         supervisor = self._supervisor
         supervisor.check_open(call.name)
-        return await supervisor.dispatcher.feed(Command(call.name, call.args), supervisor.calls)
+        command = Command(call.name, call.args)
+        return await supervisor.dispatcher.feed(command, supervisor.calls, (ending, ()))
 
     async def _perform(self, call: WireCall[int], timeout: float) -> None:
         """Carry out a function that becomes a task and moves nothing, and wait for its end.

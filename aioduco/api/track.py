@@ -92,7 +92,8 @@ class Track(Section, TrackStreams):
             TaskError: they were not put in.
             EnvelopeViolated: `Joints` are beyond a limit of `robot.envelope`, or the arm that
                 follows the pool is; nothing was sent.
-            OutcomeUnknown: the answer was lost: empty the pool before you put in more.
+            OutcomeUnknown: the answer was lost: empty the pool before you put in more. If the arm
+                may follow the pool, it was stopped.
 
         Manual section 1.3.12.
         """
@@ -118,7 +119,8 @@ class Track(Section, TrackStreams):
             TaskError: they were not put in.
             EnvelopeViolated: `Joints` are beyond a limit of `robot.envelope`, or the arm that
                 follows the pool is; nothing was sent.
-            OutcomeUnknown: the answer was lost: empty the pool before you put in more.
+            OutcomeUnknown: the answer was lost: empty the pool before you put in more. If the arm
+                may follow the pool, it was stopped.
 
         Manual section 1.3.12.
         """
@@ -234,7 +236,9 @@ class Track(Section, TrackStreams):
         filled = self._modes.enter(TRACK_POOL)
         try:
             # The arm may follow the pool, without a task that reports the motion.
-            answer = await (self._feed(call) if self._followed else self._rpc.send(call))
+            answer = await (
+                self._feed(call, TRACK_POOL) if self._followed else self._rpc.send(call)
+            )
             _taken(call.name, answer)
         except (OutcomeUnknown, TrackPoolFull):
             raise  # some may be in the pool

@@ -282,6 +282,17 @@ class Dispatcher:
             self._admit(command, permit)
             if mode is not None:  # again: a stop that it waited for may have ended it
                 self._coordinator.modes.enter(*mode)
+        return await self._answer(command, lane, permit, timeout, mode)
+
+    async def _answer(
+        self,
+        command: Command,
+        lane: WireLane,
+        permit: Permit,
+        timeout: float | None,
+        mode: ModeEnding | None,
+    ) -> int:
+        """Send what moves the arm without a task, and return its answer; see `conduct`."""
         call, cancelled = await self._coordinator.answered(
             lane, permit, command.name, command.args, timeout, followed=False, mode=mode
         )
@@ -312,22 +323,22 @@ class Dispatcher:
             self._gate.resume()  # the arm may still move, without a task that is followed
         return state
 
-    async def feed(self, command: Command, lane: WireLane) -> int:
+    async def feed(self, command: Command, lane: WireLane, mode: ModeEnding) -> int:
         """Send points that the arm may follow at once, and return the answer.
+
+        The arm is stopped if this is cancelled, or if the answer is lost: they may come late.
 
         Args:
             command: the command.
             lane: lane on which it is sent.
+            mode: what ends the mode in which the arm follows them, or removes them.
         """
         permit = self._asked(command)
         await self._permits.after_stops(permit)
         await self._coordinator.modes.leave_overdue(command.name)
         self._admit(command, permit)
         self._gate.resume()
-        answer: int = await lane.call(
-            command.name, command.args, permit=self._permits.last_check(permit)
-        )
-        return answer
+        return await self._answer(command, lane, permit, self._settings.call_timeout, mode)
 
     def adopt(self, command: Command, task_id: int, errors: Sequence[str] = ()) -> Task:
         """Follow a task of a call that, according to the manual, starts no task.

@@ -3072,7 +3072,8 @@ class Track(_Section):
             TaskError: they were not put in.
             EnvelopeViolated: `Joints` are beyond a limit of `robot.envelope`, or the arm that
                 follows the pool is; nothing was sent.
-            OutcomeUnknown: the answer was lost: empty the pool before you put in more.
+            OutcomeUnknown: the answer was lost: empty the pool before you put in more. If the arm
+                may follow the pool, it was stopped.
 
         Manual section 1.3.12.
         """
@@ -3094,7 +3095,8 @@ class Track(_Section):
             TaskError: they were not put in.
             EnvelopeViolated: `Joints` are beyond a limit of `robot.envelope`, or the arm that
                 follows the pool is; nothing was sent.
-            OutcomeUnknown: the answer was lost: empty the pool before you put in more.
+            OutcomeUnknown: the answer was lost: empty the pool before you put in more. If the arm
+                may follow the pool, it was stopped.
 
         Manual section 1.3.12.
         """
@@ -3834,6 +3836,8 @@ class Realtime(_Section):
     def realtime_data_enqueue(self, points: Iterable[RealtimePoint]) -> None:
         """Put points into the queue (实时数据入队).
 
+        An interrupt stops the arm, and ends the mode.
+
         Args:
             points: points made by the class methods of `RealtimePoint`, all for one mode; points
                 for another mode than the one that is on have no effect.
@@ -3844,6 +3848,8 @@ class Realtime(_Section):
             Refused: the queue has no room for the points; `get_realtime_data_queue_size` returns
                 how many wait.
             TaskError: the points were not put in.
+            OutcomeUnknown: the answer was lost; the arm was stopped, and the mode ended.
+            StopUnconfirmed: it is not known that the arm stands.
             EnvelopeViolated: joint positions are beyond a limit of `robot.envelope`, or the arm is
                 that follows them; nothing was sent.
 

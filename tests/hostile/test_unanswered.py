@@ -129,6 +129,53 @@ async def test_a_resume_whose_answer_is_lost_moves_nothing_later(bench: Bench) -
             await task
 
 
+@pytest.mark.parametrize("how", ["lost", "cancelled"])
+@pytest.mark.parametrize("queue", ["realtime", "track"])
+async def test_points_whose_answer_is_lost_move_nothing_later(
+    bench: Bench, queue: str, how: str
+) -> None:
+    """As a motion: they may be queued late; then the mode is ended, or the pool emptied."""
+    name, ending = {
+        "realtime": ("realtime_data_enqueue", "end_realtime_mode"),
+        "track": ("trackEnqueue", "trackClearQueue"),
+    }[queue]
+
+    async def put() -> None:
+        if queue == "track":
+            await robot.track.trackEnqueue([aioduco.Joints(*HOME)])
+        else:
+            point = aioduco.RealtimePoint.joint_position(HOME)
+            await robot.realtime.realtime_data_enqueue([point])
+
+    for each in ("start_realtime_mode", "end_realtime_mode", "trackEnqueue", "trackClearQueue"):
+        bench.answer(each, 4)
+    async with aioduco.connect(bench.host, bench.port, call_timeout=1.0) as robot:
+        if queue == "track":
+            robot.track.trackJointMotion(0.4, 1.0).mark_used()  # the arm may follow the pool
+        else:
+            await robot.realtime.start_realtime_mode(0)
+        gate = bench.hold(name)
+
+        def stop(block: bool) -> int:
+            gate.set()
+            answer: int = bench._stop(block)
+            return answer
+
+        bench.answer("stop", stop)
+        if how == "lost":
+            with pytest.raises(aioduco.OutcomeUnknown):
+                await put()
+        else:
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(put)
+                await eventually_async(lambda: bench.received(name))
+                tasks.cancel_scope.cancel()
+        sent = bench.commands
+        assert "stop" in sent[sent.index(name) :]
+        assert sent.index(ending, sent.index(name)) > 0
+        assert not robot._supervisor.stop_coordinator.moving
+
+
 @pytest.mark.slow
 async def test_a_wait_that_finds_no_answer_ends(bench: Bench) -> None:
     bench.hold("movej2", 4)
