@@ -178,7 +178,7 @@ def connect(
             64.
         heartbeat: seconds without a heartbeat of this program after which the controller
             stops the arm, 0.2 to 60; None for no heartbeat: a lost connection then stops
-            nothing.
+            nothing, and only a guard stops the arm of a program that hangs or is killed.
         loop_stall_limit: seconds for which the event loop may fail to run. After that the program
             counts as hung, and the heartbeat is withheld.
         on_cancel: what happens to the arm when the await of a motion is cancelled: "stop",

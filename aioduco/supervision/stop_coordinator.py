@@ -156,8 +156,8 @@ class StopCoordinator:
         if ending is PermitEnding.HUNG:
             why = HeartbeatLost(
                 "the program's event loop did not run for longer than "
-                f"{self._settings.loop_stall_limit:g} s (loop_stall_limit). "
-                "robot.rearm_heartbeat() lets it move the arm again"
+                f"{self._settings.loop_stall_limit:g} s (loop_stall_limit)"
+                + (". robot.rearm_heartbeat() lets it move the arm again" if self.gate.hung else "")
             )
         for task in self.follower.tasks:
             task.stopped_by = task.stopped_by or why

@@ -6560,7 +6560,7 @@ def connect(
             64.
         heartbeat: seconds without a heartbeat of the robot's thread after which the controller
             stops the arm, 0.2 to 60; None for no heartbeat: a lost connection then stops
-            nothing.
+            nothing, and only a guard stops the arm of a program that hangs or is killed.
         loop_stall_limit: seconds for which the robot's thread may fail to run. After that the
             program counts as hung, and the heartbeat is withheld.
         on_cancel: what happens to the arm when a wait for a motion is interrupted: "stop",

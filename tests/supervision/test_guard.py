@@ -259,6 +259,28 @@ async def test_a_hung_loop_has_its_arm_stopped(bench: Bench) -> None:
         await robot.motion.movej2(HOME, v=1.0, a=1.0)
 
 
+async def test_a_hung_loop_without_a_heartbeat_has_its_arm_stopped(bench: Bench) -> None:
+    """Each time that it hangs; and nothing has to be rearmed."""
+
+    def hang_until_stop(number: int) -> None:
+        eventually(lambda: bench.stops == number)  # the loop does not run
+
+    async with aioduco.connect(
+        bench.host, bench.port, guard="process", heartbeat=None, loop_stall_limit=2.0
+    ) as robot:
+        for number in (1, 2):
+            bench.motion_time = 30.0
+            task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+            hang_until_stop(number)
+            with pytest.raises(aioduco.TaskStopped) as told:
+                await task
+            assert str(told.value.__cause__).endswith("longer than 2 s (loop_stall_limit)")
+            bench.motion_time = 0.1
+            await robot.motion.movej2(HOME, v=1.0, a=1.0)
+        assert not bench.received("rpc_heartbeat")
+    assert bench.stops == 2
+
+
 async def test_an_unknown_controller_is_told_as_without_a_guard() -> None:
     robot = aioduco.connect("127.0.0.1", 1, guard="process")
     with pytest.raises(aioduco.ConnectError, match=r"127\.0\.0\.1:1"):

@@ -8,7 +8,7 @@ Guarantees:
 - If the guard was itself suspended for so long that the controllers missed its heartbeats, it sends
   no stop: the controllers have stopped the arms, and a motion now belongs to another program.
 - If an event loop sends no keep-alive for its stall limit, the guard stops the arm and withholds
-  the heartbeat.
+  the heartbeat, if there is one.
 - When the guard exits, the heartbeats end, and the controllers stop their arms. A signal that asks
   it to exit (SIGTERM, SIGHUP) makes it stop the arms instead, and it continues.
 """
@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING
 import anyio
 from anyio.lowlevel import checkpoint
 
-from aioduco._process.platform import handed_socket, set_realtime_priority
+from aioduco._process.platform import boot_time, handed_socket, set_realtime_priority
 from aioduco._process.reporting import BackgroundLogger
 from aioduco._process.scheduling import shorten_slice
 from aioduco._wire.endpoint import Endpoint, Route
@@ -106,6 +106,8 @@ class GuardedRobot:
         self.heartbeat: Heartbeat | None = None
         #: stops on their way: cancelled when the robot is released
         self.stopping: set[anyio.CancelScope] = set()
+        #: watches the event loop of a robot without a heartbeat
+        self.watching: anyio.CancelScope = anyio.CancelScope()
         #: opens the connections: cancelled if the robot is released before they are open
         self.opening: anyio.CancelScope = anyio.CancelScope()
         self.opened: anyio.Event = anyio.Event()
@@ -181,8 +183,31 @@ class GuardedRobot:
         ):
             _log.critical("the arm was told to stop, and begins to move again and again")
 
+    async def watch_loop(self) -> None:
+        """Stop the arm if the event loop hangs, for a robot whose heartbeat's thread does not."""
+        limit = self._watch.stall_limit
+        woken, told = boot_time(), 0.0
+        with self.watching:
+            while True:
+                # keep-alives from before the guard was itself suspended prove nothing
+                due = max(self.liveness.stamp, woken) + limit
+                if (now := boot_time()) < due:
+                    await anyio.sleep(due - now)
+                    if boot_time() - due > limit:
+                        woken = boot_time()
+                    continue
+                if self.liveness.moves and told != self.liveness.stamp:
+                    told = self.liveness.stamp
+                    _log.error("the event loop has not run for %.2f s: the arm is stopped", limit)
+                    try:
+                        await self.stop_channel.stop(ABANDONED_LIMIT)
+                    except DucoError as exc:
+                        _log.critical("the event loop hangs, and %s", exc)
+                await anyio.sleep(limit / 10)
+
     async def aclose(self) -> None:
         """End the heartbeat and close the connections."""
+        self.watching.cancel()
         for scope in self.stopping:
             scope.cancel()
         if self.heartbeat is not None:
@@ -227,6 +252,9 @@ class Guard:
                 async with anyio.create_task_group() as stops:
                     while (message := await self._next()) is not None:
                         self._take(message, stops)
+                    # it has exited: its arms are stopped for that
+                    for guarded in self._guarded.values():
+                        guarded.watching.cancel()
                     for guarded in self._guarded.values():
                         stops.start_soon(self._stop_abandoned, guarded)
                 tasks.cancel_scope.cancel()
@@ -263,7 +291,7 @@ class Guard:
             case Watch(robot, token):
                 # Added here and not in the task: a release that follows at once must find it.
                 self._pending[robot] = guarded = GuardedRobot(message, self)
-                tasks.start_soon(self._watch, guarded, token)
+                tasks.start_soon(self._watch, guarded, token, tasks)
             case Rearm(robot):
                 if robot in self._guarded and (beats := self._guarded[robot].heartbeat) is not None:
                     beats.rearm()
@@ -272,7 +300,7 @@ class Guard:
             case Done() | Beat() | LogMessage():
                 raise ValueError(f"a program sent {message!r} to its guard")
 
-    async def _watch(self, guarded: GuardedRobot, token: int) -> None:
+    async def _watch(self, guarded: GuardedRobot, token: int, tasks: TaskGroup) -> None:
         error = _RELEASED
         with guarded.opening:
             try:
@@ -282,6 +310,8 @@ class Guard:
             else:
                 error = ""
                 self._guarded[guarded.robot] = guarded
+                if guarded.heartbeat is None:
+                    tasks.start_soon(guarded.watch_loop)
         self._pending.pop(guarded.robot, None)
         guarded.opened.set()
         self.tell(Done(token, error))
