@@ -636,16 +636,23 @@ def test_whole_numbers_may_be_doubles(server: RecordingServer, robot: Any) -> No
         robot.write_raw_data_can(3.5, [1])
 
 
+#: how programs load a module whose name they are told
+LOAD = "import importlib, sys\ndef load(name):\n    return importlib.import_module(name).DucoCobot"
+
+
 @pytest.mark.cases(1)
 @pytest.mark.parametrize(
     "line",
     [
         "from vendor_api.DucoCobot import DucoCobot",
+        "from vendor_api.DucoCobot import *",
         "from vendor_api import DucoCobot as m; DucoCobot = m.DucoCobot",
         "import vendor_api.deeper.DucoCobot as m; DucoCobot = m.DucoCobot",
         "from vendor_api.gen_py.robot.ttypes import Op; DucoCobot = Op",
         "from vendor_api.lib.thrift import Thrift; from vendor_api.DucoCobot import DucoCobot",
         "import importlib; DucoCobot = importlib.import_module('vendor_api.DucoCobot').DucoCobot",
+        f"{LOAD}\ndef sdk(name='vendor_api.DucoCobot'):\n    return load(name)\nDucoCobot = sdk()",
+        f"{LOAD}\nSDK = {{'module': 'vendor_api.DucoCobot'}}\nDucoCobot = load(SDK['module'])",
     ],
 )
 def test_packages_without_the_vendors_files(line: str, tmp_path: Path) -> None:
@@ -658,3 +665,18 @@ def test_packages_without_the_vendors_files(line: str, tmp_path: Path) -> None:
     done = python("-m", "aioduco.compat", str(program))
     assert done.stdout.split("\n", 1)[0] in ("aioduco.compat", "aioduco._wire.rpc"), done.stderr
     assert "others are missing" in done.stdout
+
+
+@pytest.mark.cases(1)
+@pytest.mark.parametrize(
+    "arguments", [["--sdk-module", "vendor_api.DucoCobot"], ["--sdk-module=vendor_api.DucoCobot"]]
+)
+def test_packages_that_only_the_arguments_of_a_program_name(
+    arguments: list[str], tmp_path: Path
+) -> None:
+    program = tmp_path / "program.py"
+    program.write_text(
+        f"{LOAD}\nprint(load(sys.argv[-1].rpartition('=')[2]).__module__)\n", encoding="utf-8"
+    )
+    done = python("-m", "aioduco.compat", str(program), *arguments)
+    assert done.stdout.strip() == "aioduco.compat", done.stderr

@@ -168,36 +168,42 @@ class MissingPackages(MetaPathFinder, Loader):
         """Leave the package empty."""
 
 
-def packages_around(sources: Iterable[str], vendor: VendorModules) -> frozenset[str]:
+def packages_around(
+    sources: Iterable[str], arguments: Iterable[str], vendor: VendorModules
+) -> frozenset[str]:
     """Return the packages from which programs import the vendor's modules.
 
     Args:
         sources: the texts of the programs; one that cannot be parsed is passed over.
+        arguments: the arguments of the program, which may name a module, too.
         vendor: tells the vendor's modules.
     """
     found: set[str] = set()
+    for name in itertools.chain(_named(sources), (each.rpartition("=")[2] for each in arguments)):
+        parts = name.split(".")
+        if not all(map(str.isidentifier, parts)):
+            continue  # a text that names no module
+        prefixes = [".".join(parts[: end + 1]) for end in range(len(parts))]
+        first = next((at for at, each in enumerate(prefixes) if vendor.has(each)), 0)
+        found.update(prefixes[:first])
+    return frozenset(found)
+
+
+def _named(sources: Iterable[str]) -> Iterator[str]:
+    """The modules that programs import, and their texts, which may name one for `import_module`."""
     for source in sources:
         try:
             tree = ast.parse(source)
         except (SyntaxError, ValueError):
             continue
-        for name in itertools.chain.from_iterable(map(_imported, ast.walk(tree))):
-            parts = name.split(".")
-            prefixes = [".".join(parts[: end + 1]) for end in range(len(parts))]
-            first = next((at for at, each in enumerate(prefixes) if vendor.has(each)), 0)
-            found.update(prefixes[:first])
-    return frozenset(found)
-
-
-def _imported(node: ast.AST) -> Iterator[str]:
-    """The modules that a part of a program names: an import, or the text that is given to one."""
-    match node:
-        case ast.Import(names=names):
-            yield from (each.name for each in names)
-        case ast.ImportFrom(module=str(module), names=names, level=0):
-            yield from (f"{module}.{each.name}" for each in names)
-        case ast.Call(args=[ast.Constant(value=str(name)), *_]):
-            yield name
+        for node in ast.walk(tree):
+            match node:
+                case ast.Import(names=names):
+                    yield from (each.name for each in names)
+                case ast.ImportFrom(module=str(module), names=names, level=0):
+                    yield from (module, *(f"{module}.{each.name}" for each in names))
+                case ast.Constant(value=str(text)):
+                    yield text
 
 
 def _sources(program: Path) -> Iterator[str]:
@@ -220,7 +226,7 @@ def run(program: Path, arguments: Sequence[str]) -> None:
     installed = importlib.util.find_spec("thrift") is not None
     vendor = VendorModules(thrift=not installed)
     sys.meta_path.insert(0, vendor)
-    sys.meta_path.append(MissingPackages(packages_around(_sources(program), vendor)))
+    sys.meta_path.append(MissingPackages(packages_around(_sources(program), arguments, vendor)))
     sys.argv = [str(program), *arguments]
     sys.path.insert(0, str(program.resolve().parent))
     runpy.run_path(str(program), run_name="__main__")
