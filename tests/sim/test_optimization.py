@@ -43,6 +43,22 @@ def test_acceleration_optimization_shortens_a_motion(sim: Simulator, robot: Prog
     assert duration(sim, robot, 3.0, 3.9) > 2.4
 
 
+def test_what_has_no_effect_is_not_checked(robot: Program) -> None:
+    def ends(v: float, a: float, *, chosen: bool = False) -> list[int]:
+        joints, pose = list(READY), list(robot.get_tcp_pose())
+        return [
+            robot.movej2(joints, v, a, 0.0, True, Op(), chosen),
+            robot.movel(pose, v, a, 0.0, [], "", "", True, Op(), chosen),
+        ]
+
+    assert ends(1.0, 0.0) == ends(0.0, 0.0, chosen=True) == [8, 8]
+    assert ends(1.0, 0.0, chosen=True) == [4, 4]
+    assert robot.enable_acc_optimization() == TaskState.FINISHED
+    assert (ends(1.0, 0.0), ends(0.0, 0.0)) == ([4, 4], [8, 8])
+    assert robot.enable_speed_optimization() == TaskState.FINISHED
+    assert ends(0.0, 0.0) == [4, 4]
+
+
 @pytest.mark.slow
 def test_vibration_control_takes_time_if_the_simulator_is_told(started: Started) -> None:
     sim, robot = started(vibration_time=0.3)

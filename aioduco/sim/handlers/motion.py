@@ -69,7 +69,7 @@ class MotionHandlers(PathSection):
         """Convert percent of the slowest joint's speed and of the default acceleration."""
         speed = arguments.positive("v", call.v, 100.0, "%") / 100.0 * min(self._arm.velocity)
         if call.def_acc:
-            return speed, DEFAULT_JOINT_ACCELERATION
+            return speed, math.inf
         share = arguments.positive("a", call.a, 100.0, "%") / 100.0
         return speed, share * DEFAULT_JOINT_ACCELERATION
 
@@ -173,8 +173,9 @@ class MotionHandlers(PathSection):
     def set_blend_ahead(self, controller: Controller, per: int, num: int) -> None:
         """Set how far programs read motions ahead, and when blocking calls are answered."""
         arguments.choice("per", per, range(101), "from 0 to 100 %")
-        # A client may leave `num` out: then it is 0 on the wire, which means 1.
-        arguments.choice("num", num, range(4), "from 1 to 3")
+        if per == 0:
+            # A client may leave `num` out: then it is 0 on the wire, which means 1.
+            arguments.choice("num", num, range(4), "from 1 to 3")
         controller.read_ahead = per, max(num, 1)
 
     def _offset_move(

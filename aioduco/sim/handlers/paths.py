@@ -43,7 +43,7 @@ JOINT_SPEED = (math.radians(0.01), 1.25 * math.pi, "rad/s")
 JOINT_ACCELERATION = (math.radians(0.01), math.inf, "rad/s²")
 _LINE_SPEED = (0.01, 5.0, "m/s")
 _LINE_ACCELERATION = (0.01, math.inf, "m/s²")
-#: accelerations if the caller leaves the choice to the controller: an assumption
+#: what percent of an acceleration are of: an assumption
 DEFAULT_JOINT_ACCELERATION = 5.0
 DEFAULT_LINE_ACCELERATION = 2.0
 #: the kind of deviation that is forgiven for the speed of a motion with a target
@@ -82,13 +82,14 @@ class PathSection(HandlerSection):
         return self._task(name, call.block, command)
 
     def _joint_pace(self, call: MotionCall) -> tuple[float, float]:
-        """Speed and acceleration of joints, as requested or optimized."""
-        speed = arguments.at_most(self._forgiving, TOO_FAST, "v", call.v, *JOINT_SPEED)
-        change = DEFAULT_JOINT_ACCELERATION
-        if not call.def_acc:
+        """Speed and acceleration of joints, as requested or as the controller chooses them."""
+        speed, change = JOINT_SPEED[1], math.inf
+        fast, steep = self._chosen(call)
+        if not fast:
+            speed = arguments.at_most(self._forgiving, TOO_FAST, "v", call.v, *JOINT_SPEED)
+        if not steep:
             change = arguments.number("a", call.a, *JOINT_ACCELERATION)
-        fast, steep = self._optimized()
-        return JOINT_SPEED[1] if fast else speed, math.inf if steep else change
+        return speed, change
 
     def _line_pace(
         self,
@@ -96,19 +97,20 @@ class PathSection(HandlerSection):
         speeds: Range = _LINE_SPEED,
         accelerations: Range = _LINE_ACCELERATION,
     ) -> tuple[float, float]:
-        """Speed and acceleration of the tool, as requested or optimized."""
-        speed = arguments.at_most(self._forgiving, TOO_FAST, "v", call.v, *speeds)
-        change = DEFAULT_LINE_ACCELERATION
-        if not call.def_acc:
+        """Speed and acceleration of the tool, as requested or as the controller chooses them."""
+        speed, change = speeds[1], _UNLIMITED_ACCELERATION
+        fast, steep = self._chosen(call)
+        if not fast:
+            speed = arguments.at_most(self._forgiving, TOO_FAST, "v", call.v, *speeds)
+        if not steep:
             change = arguments.number("a", call.a, *accelerations)
-        fast, steep = self._optimized()
-        return speeds[1] if fast else speed, _UNLIMITED_ACCELERATION if steep else change
+        return speed, change
 
-    def _optimized(self) -> tuple[bool, bool]:
-        """Whether the controller chooses speeds, and whether it chooses accelerations."""
+    def _chosen(self, call: MotionCall) -> tuple[bool, bool]:
+        """Whether the controller chooses the speed, and whether it chooses the acceleration."""
         switches, mode = self._controller.optimization, self._runtime.snapshot.view.mode
         fast = switches.speed and mode is OperationMode.AUTO
-        return fast, fast or switches.acceleration
+        return fast, fast or switches.acceleration or call.def_acc
 
     def _path_options(self, wobj: str = "") -> PathOptions:
         """Options of paths at a work object, by the settings that are switched on."""
