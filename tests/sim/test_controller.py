@@ -94,6 +94,16 @@ def test_shutdown_halts_without_power(ready: Bench) -> None:
     assert ready.state[0] == 4
 
 
+def test_how_long_changes_of_power_take(bench: Bench) -> None:
+    times = {}
+    for name in ("power_on", "enable", "disable", "power_off", "restart"):
+        begin = bench.time
+        assert bench.ended(bench.controller.change_power(name)) == 4
+        times[name] = bench.time - begin
+    usual = {"power_on": 0.5, "enable": 0.3, "disable": 0.1, "power_off": 0.2, "restart": 1.7}
+    assert times == pytest.approx(usual, abs=0.005)
+
+
 def test_restart_starts_and_initialises_and_ends_without_power(ready: Bench) -> None:
     id_ = ready.controller.change_power("restart")
     seen: list[int] = []
@@ -515,6 +525,8 @@ def test_a_heartbeat_that_ends_while_nothing_moves_is_no_error(ready: Bench) -> 
     ready.tick(1000)
     assert not ready.controller.heartbeat.armed
     assert ready.controller.view().errors == ()
+    ready.controller.heartbeat.beat(ready.time, 200)
+    assert ready.controller.heartbeat.armed
 
 
 def test_without_a_heartbeat_nothing_stops(ready: Bench) -> None:

@@ -288,3 +288,14 @@ def test_a_trigger_by_distance_is_without_effect_on_a_joint_motion(robot: Progra
     timed = Op(time_or_dist_1=1, trig_time_1=10, trig_io_1=9, trig_value_1=True)
     assert robot.movej2(READY, 1.0, 2.0, 0.0, True, timed, False) == TaskState.FINISHED
     assert robot.get_standard_digital_out(9)
+
+
+@pytest.mark.slow
+def test_a_trigger_later_than_the_motion_fires_at_its_end(robot: Program) -> None:
+    for later in (
+        {"time_or_dist_1": 1, "trig_time_1": 60_000},
+        {"time_or_dist_1": 2, "trig_dist_1": 5.0},
+    ):
+        robot.set_standard_digital_out(9, False, True)
+        assert line(robot, Op(**later, trig_io_1=9, trig_value_1=True), 0.02) == 4
+        assert robot.get_standard_digital_out(9)

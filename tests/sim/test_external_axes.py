@@ -88,6 +88,14 @@ async def test_axes_alone(robot: aioduco.Robot, cell: Simulator) -> None:
     assert max(abs(a - b) for a, b in zip(cell.joints, before, strict=True)) < 1e-4
 
 
+async def test_a_dry_run_leaves_the_axes_where_they_are(robot: aioduco.Robot) -> None:
+    await robot.settings.simulation(True)
+    await robot.external_axes.move_eaxis("rail", [0.4, 0.0, 0.0], 2.0)
+    assert await where(robot) == 0.4
+    await robot.settings.simulation(False)
+    assert await where(robot) == 0.0
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "function",

@@ -280,6 +280,8 @@ def test_a_speed_far_above_its_range_is_the_highest(sim: Simulator, robot: Progr
         ({"wobj": "pallet"}, 7),
         ({"p": [0.0] * 5}, 8),
         ({"p": [math.nan] * 6}, 8),
+        ({"p": [0.5, 0.0, 0.5, 6.3, 0.0, 0.0]}, 8),
+        ({"p": [1000.1, 0.0, 0.5, 3.0, 0.0, 0.0]}, 8),
         ({"v": 0.001}, 8),
         ({"q_near": [0.0] * 3}, 7),
     ],

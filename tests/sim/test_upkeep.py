@@ -92,6 +92,11 @@ def test_a_dry_run_leaves_the_arm_where_it_is(sim: Simulator, robot: Program) ->
     # Power goes on and off as it does with the real arm.
     assert robot.disable(True) == robot.enable(True) == TaskState.FINISHED
     assert robot.get_actual_joints_position() == pytest.approx(goal, abs=END)
+    assert robot.get_actual_joints_torque() == robot.get_ext_torque() == [0.0] * 6
+    sim.set_digital_input(3, True)
+    assert robot.get_standard_digital_in(3)
+    assert robot.set_standard_digital_out(4, True, True) == TaskState.FINISHED
+    assert sim.get_digital_output(4)
 
     assert robot.simulation(False, True) == TaskState.FINISHED
     # At once, and what motions begin from: the arm does not jump to where the dry run ended.

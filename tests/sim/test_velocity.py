@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -110,6 +112,33 @@ def test_the_global_speed_scales_it(sim: Simulator, robot: Program) -> None:
     assert robot.speedj([0.5, *STILL[1:]], 5.0, 1000, True) == TaskState.FINISHED
     sim.wait_until(lambda: not sim.moving)
     assert sim.joints[0] == pytest.approx(0.05, abs=5e-3)
+    robot.trackEnqueue([[0.5, *READY[1:]]], True)
+    for begin in (
+        lambda: robot.move_jog(jog(vel=100.0), False),  # 0.5 rad/s
+        lambda: robot.trackJointMotion(0.5, 5.0, False),
+    ):
+        assert steady(sim, begin, robot.get_target_joints_speed) == pytest.approx(0.05, rel=1e-6)
+        robot.stop(True)
+
+
+def steady(sim: Simulator, begin: Callable[[], int], speeds: Callable[[], list[float]]) -> float:
+    """The speed of a motion a second after its begin, the largest of some numbers."""
+    with standing_time(sim):
+        assert begin() >= 1000
+        sim.advance(1000)
+        return max(map(abs, speeds()))
+
+
+def test_how_fast_a_jog_is(sim: Simulator, robot: Program) -> None:
+    for kind, fastest in ((2, 0.5), (1, 0.25)):
+        speeds = robot.get_target_joints_speed if kind == 2 else tip_speed(robot)
+        begun = partial(robot.move_jog, jog(jog_type=kind, vel=100.0), False)
+        assert steady(sim, begun, speeds) == pytest.approx(fastest, rel=1e-3)
+        assert robot.stop_manual_move(True) == TaskState.FINISHED
+
+
+def tip_speed(robot: Program) -> Callable[[], list[float]]:
+    return lambda: list(robot.getRobotStatus().cartExpectVelocity[:3])
 
 
 def test_pause_and_resume(sim: Simulator, robot: Program) -> None:
@@ -226,6 +255,7 @@ def test_a_jog_begins_only_where_nothing_else_runs(sim: Simulator, robot: Progra
     sim.wait_until(lambda: sim.moving)
     assert robot.move_jog(jog(), True) == TaskState.ILLEGAL
     assert robot.move_jog(jog(use_step=True, step_jointValue=0.1), True) == TaskState.ILLEGAL
+    assert robot.teach_mode(True) == TaskState.ILLEGAL
     assert robot.stop(True) == TaskState.FINISHED
 
 
