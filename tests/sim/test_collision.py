@@ -46,6 +46,7 @@ def observed(observer: CollisionDetector, external: list[float], cycles: int) ->
 @pytest.mark.parametrize("level", [1, 2, 3, 4, 5])
 def test_a_torque_beyond_the_levels_share_is_a_collision(level: int) -> None:
     observer = CollisionDetector(EFFORT)
+    assert observer.level == 3
     observer.level = level
     below, above = 0.95 * LEVELS[level], 1.2 * LEVELS[level]
     assert not any(observed(observer, [0, 0, 0, 0, -50.0 * below, 0], 200))

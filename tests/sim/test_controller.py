@@ -425,6 +425,9 @@ def test_power_comes_back_only_after_release_and_power_off(ready: Bench) -> None
     assert ready.ended(change("power_on")) == 7
     ready.controller.release_emergency_stop()
     assert ready.ended(change("power_on")) == 7
+    for number in range(25):
+        ready.controller.note_error(str(number))
+    assert ready.controller.view().errors == tuple(map(str, range(5, 25)))
     ready.power("power_off", "power_on", "enable")
     assert ready.state == [6, 0, 5, 1]
     assert ready.controller.view().errors == ()
@@ -486,8 +489,11 @@ def test_a_fault_during_a_stop_decides_how_the_motion_ends(ready: Bench) -> None
 
 
 def test_a_joint_far_from_its_set_point_cuts_the_power(ready: Bench) -> None:
-    id_ = ready.begun()
-    ready.q = ready.q + np.array([0.0, 0.0, 0.5, 0.0, 0.0, 0.0])
+    id_ = ready.begun(1000)
+    ready.q = ready.q + np.array([0.0, 0.0, 0.19, 0.0, 0.0, 0.0])
+    ready.tick()
+    assert state(ready, id_) is TaskState.RUNNING
+    ready.q = ready.q + np.array([0.0, 0.0, 0.21, 0.0, 0.0, 0.0])
     ready.tick()
     assert state(ready, id_) is TaskState.ERROR
     assert ready.state == [4, 0, 9, 1]
