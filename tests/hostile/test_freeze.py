@@ -22,8 +22,8 @@ from .freeze import clock, processes
 from .freeze.arm import Seen
 from .freeze.cells import HOME, Cell, Draw, cells
 from .freeze.judge import BREAKS, ERROR, GOES_ON, HOLDS, Line, Way, goes_on_by_design, judge
-from .freeze.matrix import chosen, table, trials
-from .freeze.trial import PATIENT, Result
+from .freeze.matrix import trials
+from .freeze.trial import PATIENT
 
 pytestmark = pytest.mark.linux("signals that stop processes, and a clock that goes on meanwhile")
 
@@ -126,33 +126,12 @@ def test_a_simulator_that_fell_behind_is_found() -> None:
     assert Way(late).late(0.0, 1.0) == pytest.approx(0.004, abs=0.001)
 
 
-def test_cells_that_do_not_exist_are_left_out() -> None:
-    every = list(cells())
-    assert len(every) == len(set(every)) == 318
-    assert all(cell.roles <= cell.present for cell in every)
-    assert len({(c.scene, c.roles, c.how, c.guarded) for c in every}) == len(every)
-    assert {cell.frozen for cell in every if cell.how == "suspended"} == {"all"}
-
-
-def test_cells_are_chosen_by_words() -> None:
-    found = chosen(["servo", "speed", "all", "3", "none"])
-    assert found == [Cell(scene, "all", "3", guarded=False) for scene in ("servo", "speed")]
-    assert chosen([]) == list(cells())
-    with pytest.raises(ValueError, match="sleeping"):
-        chosen(["servo", "sleeping"])
-
-
 def test_long_freezes_go_on_by_design_only_beside_a_frozen_guard() -> None:
     for cell in cells():
         for seed in (1, 2):
             draw = Draw.of(cell, seed)
             if goes_on_by_design(cell, draw.variant, draw.seconds):
                 assert cell.how == "0.3" or (cell.how, cell.frozen) == ("1", "guard")
-
-
-def test_a_run_that_says_nothing_is_an_error_of_its_cell() -> None:
-    *_, row = table([Result(ALL, 1)]).splitlines()
-    assert row.split() == ["servo", "all", "3", "none", "1", "1", "1"]
 
 
 @pytest.mark.slow
