@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import shlex
 import shutil
@@ -18,6 +17,7 @@ from aioduco.cli.exit_codes import fail
 from aioduco.cli.options import wrong_option
 from aioduco.cli.output import say
 from aioduco.models.address import parse_address
+from aioduco.models.toml_files import quoted
 
 #: the files of a project, as texts with $ before what is filled in: in the folder `project`
 _FILES: Final = (
@@ -62,8 +62,7 @@ def init(
         "table_z": round(height - 0.11, 3),
     }
     texts = resources.files("aioduco.cli") / "project"
-    # a text of JSON is one of TOML, too
-    words = {"name": folder.name, "model": model, "host": json.dumps(host, ensure_ascii=False)}
+    words = {"name": folder.name, "model": model, "host": quoted(host)}
     try:
         folder.mkdir(parents=True)
     except FileExistsError:

@@ -10,7 +10,7 @@ from aioduco.errors import ParameterError
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.ranges import OWN_NAME
 from aioduco.models.similar import did_you_mean
-from aioduco.models.toml_files import read_toml, rewrite
+from aioduco.models.toml_files import key_text, read_toml, rewrite
 
 if TYPE_CHECKING:
     import os
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 Point: TypeAlias = Joints | Pose
 
 _EXPECTED = "a Joints or a Pose"
-_ESCAPES = {'"': '\\"', "\\": "\\\\", "\b": "\\b", "\t": "\\t", "\n": "\\n", "\f": "\\f"}
 
 
 class TaughtPoints(MutableMapping[str, Point]):
@@ -181,16 +180,3 @@ def _table(name: str, point: Point) -> str:
     kind = "joints" if isinstance(point, Joints) else "pose"
     numbers = ", ".join(repr(float(value)) for value in point)
     return f"[{key_text(name)}]\n{kind} = [{numbers}]\n"
-
-
-def key_text(name: str) -> str:
-    """A key as TOML writes it: with quotes if it needs them."""
-    if name and all(char.isascii() and (char.isalnum() or char in "-_") for char in name):
-        return name
-    return f'"{"".join(map(_escaped, name))}"'
-
-
-def _escaped(char: str) -> str:
-    if char in _ESCAPES:
-        return _ESCAPES[char]
-    return f"\\u{ord(char):04X}" if ord(char) < 32 or ord(char) == 127 else char

@@ -20,6 +20,10 @@ _LONG_KEYS: Final = re.compile(
 #: squares of the numbers of parts that are read at most
 _WORK: Final = 1_000_000
 
+#: keys that TOML writes without quotes, and what it does not have between quotes
+_BARE_KEY: Final = re.compile(r"[A-Za-z0-9_-]+")
+_ESCAPED: Final = re.compile(r'["\\\x00-\x08\x0a-\x1f\x7f]')
+
 #: bytes of the largest file that is read; a person edits none that is larger
 _LARGEST: Final = 1 << 26
 
@@ -85,6 +89,21 @@ def _check_numbers(read: dict[str, Any]) -> None:
             left += ((name, each) for each in value)
         elif isinstance(value, int) and not -(1 << 63) <= value < 1 << 63:
             raise ValueError(f"{name} has a whole number beyond 64 bits")
+
+
+def key_text(name: str) -> str:
+    """A key as TOML writes it: with quotes if it needs them."""
+    return name if _BARE_KEY.fullmatch(name) else quoted(name)
+
+
+def quoted(text: str) -> str:
+    """A text as TOML writes it; a lone surrogate, as of a file's name, becomes U+FFFD."""
+    whole = text.encode("utf-8", "surrogatepass").decode("utf-8", "replace")
+    return f'"{_ESCAPED.sub(lambda found: _escape(found[0]), whole)}"'
+
+
+def _escape(char: str) -> str:
+    return f"\\{char}" if char in '"\\' else f"\\u{ord(char):04X}"
 
 
 def rewrite(path: str | os.PathLike[str], text: str) -> None:

@@ -17,7 +17,7 @@ from aioduco.kinematics import DhCorrections
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.ranges import FILE
 from aioduco.models.similar import did_you_mean
-from aioduco.models.toml_files import parse_toml, read_text, rewrite
+from aioduco.models.toml_files import parse_toml, quoted, read_text, rewrite
 from aioduco.models.toml_lines import line_of
 
 if TYPE_CHECKING:
@@ -169,9 +169,9 @@ class ArmProfile:
 
     def toml(self) -> str:
         """The profile as TOML. Units are m, rad, s, kg, N m; geometry is the standard DH table."""
-        lines = [f'model = "{self.model}"']
+        lines = [f"model = {quoted(self.model)}"]
         if self.sources:
-            lines.append(f"sources = [{', '.join(map(_quoted, self.sources))}]")
+            lines.append(f"sources = [{', '.join(map(quoted, self.sources))}]")
         if self.single_precision is not None:
             lines.append(f"single_precision = {str(self.single_precision).lower()}")
         for section, names in RANGES.items():
@@ -191,11 +191,6 @@ class ArmProfile:
 def _number(value: float) -> str:
     text = f"{value:.10g}"
     return text if re.search(r"[.e]", text) else f"{text}.0"
-
-
-def _quoted(text: str) -> str:
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
-    return f'"{escaped}"'
 
 
 class _Reader:

@@ -17,7 +17,7 @@ import pytest
 from aioduco import Cell, DucoError, Joints, ParameterError, TaughtPoints, WaypointFileError
 from aioduco.cli import robots_file
 from aioduco.integrations.fleet import FleetFileError, FleetSettings
-from aioduco.models.toml_files import parse_toml, read_text, rewrite
+from aioduco.models.toml_files import key_text, parse_toml, quoted, read_text, rewrite
 from aioduco.recording.playback import WaypointFile, read_envelope
 from aioduco.sim import ArmProfile
 
@@ -300,6 +300,24 @@ def test_a_value_of_another_kind_is_refused_by_a_typed_error(
             except Exception as error:  # all of them in one message
                 wrong.append(f"{place} = {other!r}: {error!r}")
     assert not wrong, "\n".join(wrong)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", 'a "b"', "back\\slash", "two\nlines", "a\r", "a\tb", "\x00\x1b", "\x7f", "é 部件 😀"],
+)
+def test_any_text_can_be_written_into_every_file(text: str, tmp_path: Path) -> None:
+    assert tomllib.loads(f"{key_text(text)} = {quoted(text)}") == {text: text}
+    path = tmp_path / "file.toml"
+    ArmProfile("gcr5_910", sources=(text,)).save(path)
+    assert ArmProfile.load(path).sources == (text,)
+    assert WaypointFile.new(arm=text).arm == text
+
+
+def test_the_name_of_a_file_that_is_no_text_can_be_written(tmp_path: Path) -> None:
+    path = tmp_path / "file.toml"
+    ArmProfile("gcr5_910", sources=("run\udcff.mcap",)).save(path)
+    assert ArmProfile.load(path).sources[0].startswith("run\ufffd")
 
 
 @pytest.mark.linux("named pipes")

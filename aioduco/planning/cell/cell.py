@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from aioduco.errors import CellFileError, ParameterError, WaypointFileError
-from aioduco.models.points import Point, TaughtPoints, key_text
+from aioduco.models.points import Point, TaughtPoints
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.ranges import OWN_NAME
 from aioduco.models.similar import did_you_mean, unknown
-from aioduco.models.toml_files import parse_toml, read_text, rewrite
+from aioduco.models.toml_files import key_text, parse_toml, quoted, read_text, rewrite
 from aioduco.models.toml_lines import Statement, key_end, line_of, statements
 from aioduco.planning.cell import sections
 from aioduco.planning.cell.sections import CellPoint, CellRobot, CellTool, WrongField
@@ -406,7 +406,7 @@ def _with_point(text: str, name: str, field: str, frame: str) -> str:
     said = [each for each in statements(text) if each.path[: len(here)] == here]
     for each in said:
         if each.path == here and each.value is not None:  # an inline table
-            inner = f"{field}, frame = {_quoted(frame)}" if frame else field
+            inner = f"{field}, frame = {quoted(frame)}" if frame else field
             return _replaced(lines, each, f"{{ {inner} }}")
     for each in said:
         if len(each.path) == 3 and each.path[2] != "frame":
@@ -442,8 +442,3 @@ def _comment(statement: str) -> str:
         else:
             return statement[end:]
     return ""
-
-
-def _quoted(text: str) -> str:
-    quoted = key_text(text)
-    return quoted if quoted.startswith('"') else f'"{quoted}"'

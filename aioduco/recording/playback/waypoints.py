@@ -6,7 +6,6 @@ waypoint is appended to the existing text, so that comments, order and all other
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final, Literal, get_args
@@ -16,7 +15,7 @@ from aioduco.models import ranges
 from aioduco.models.bounds import least, most
 from aioduco.models.pose import Joints
 from aioduco.models.similar import did_you_mean
-from aioduco.models.toml_files import parse_toml, read_text, rewrite
+from aioduco.models.toml_files import parse_toml, quoted, read_text, rewrite
 from aioduco.models.toml_lines import line_of
 
 if TYPE_CHECKING:
@@ -176,7 +175,7 @@ class WaypointFile:
         """
         default = Waypoint(joints=Joints(0, 0, 0, 0, 0, 0))
         text = (
-            f"{_HEAD}\narm = {json.dumps(arm, ensure_ascii=False)}\n\n[defaults]\n"
+            f"{_HEAD}\narm = {quoted(arm)}\n\n[defaults]\n"
             f"speed_deg_s = {math.degrees(default.speed):g}\n"
             f"acceleration_deg_s2 = {math.degrees(default.acceleration):g}\n"
             f"line_speed_mm_s = {default.line_speed * 1e3:g}\n"
@@ -214,10 +213,7 @@ class WaypointFile:
         ranges.OWN_NAME_OR_NONE("name", name)
         angles = [round(math.degrees(each), 4) for each in ranges.JOINTS("joints", joints)]
         listed = ", ".join(f"{angle + 0.0:.4f}".rstrip("0").rstrip(".") for angle in angles)
-        block = (
-            f"\n[[waypoint]]\nname = {json.dumps(name, ensure_ascii=False)}\n"
-            f"joints_deg = [{listed}]\n"
-        )
+        block = f"\n[[waypoint]]\nname = {quoted(name)}\njoints_deg = [{listed}]\n"
         if "\r\n" in self.text:
             block = block.replace("\n", "\r\n")
         gap = "" if self.text.endswith("\n") or not self.text else "\n"
