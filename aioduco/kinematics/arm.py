@@ -11,6 +11,7 @@ import numpy as np
 from aioduco.errors import Described, ParameterError, Unreachable
 from aioduco.kinematics import forward, inverse, single
 from aioduco.models import bounds
+from aioduco.models.numpy_on_use import is_number, number_array
 from aioduco.models.pose import JointsLike, Pose, PoseLike
 
 if TYPE_CHECKING:
@@ -161,8 +162,11 @@ class Arm:
         Raises:
             Unreachable: no configuration reaches the pose, or none within the joint limits, or
                 none within `max_jump`.
-            ParameterError: `flange` or `q_near` has none of the forms above, or is not finite.
+            ParameterError: `flange` or `q_near` has none of the forms above, or is not finite;
+                `max_jump` is no angle.
         """
+        if max_jump is not None and not (is_number(max_jump) and max_jump >= 0.0):
+            raise ParameterError("max_jump", max_jump, "an angle of at least 0 [rad], or None")
         target = _matrix(flange)
         near = _joints(q_near).tolist()
         if len(near) != 6 or not all(map(math.isfinite, near)):
@@ -201,7 +205,10 @@ class Arm:
 
 
 def _joints(q: JointsLike) -> Array:
-    array = np.asarray(q, dtype=np.float64)
+    if type(q) is np.ndarray and q.dtype == np.float64:  # solvers come here often
+        array = q
+    else:
+        array = number_array("q", q, "numbers of the shape (..., 6) [rad]", finite=False)
     if array.shape[-1:] != (6,):
         raise ParameterError(
             "q", Described(f"an array of shape {array.shape}"), "of shape (..., 6) [rad]"
@@ -211,7 +218,5 @@ def _joints(q: JointsLike) -> Array:
 
 def _matrix(flange: PoseLike | Array) -> Array:
     if isinstance(flange, np.ndarray) and flange.shape == (4, 4):
-        if not np.isfinite(flange).all():
-            raise ParameterError("flange", flange.tolist(), "of finite numbers")
-        return flange.astype(np.float64, copy=False)
+        return number_array("flange", flange, "a matrix of numbers")
     return Pose.of(flange).matrix

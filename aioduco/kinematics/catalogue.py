@@ -11,7 +11,10 @@ from typing import Any
 
 from aioduco.kinematics.arm import Arm
 from aioduco.kinematics.geometry import LENGTHS, Geometry
+from aioduco.models.rules.scalars import FARTHEST, Number
 from aioduco.models.words import one_of
+
+_LENGTH = Number(unit="m", plausible=FARTHEST, source="this package")
 
 
 @cache
@@ -63,14 +66,14 @@ def arm(model: str, **lengths: float) -> Arm:
             `arm("gcr5_910", d2=0.1411)`.
 
     Raises:
-        ParameterError: there is no such model or length.
+        ParameterError: there is no such model or length, or a length is no number.
     """
     name = model.lower().replace("-", "_") if isinstance(model, str) else model
     one_of("model", name, _data())
     for length in lengths:
         one_of("length", length, LENGTHS)
+    values: dict[str, Any] = {length: _LENGTH(length, given) for length, given in lengths.items()}
     base = _model(name)
     if not lengths:
         return base
-    values: dict[str, Any] = {**lengths}
     return replace(base, geometry=base.geometry._replace(**values))

@@ -17,6 +17,7 @@ from aioduco.kinematics.catalogue import arm as _model
 from aioduco.kinematics.measured import bound, rigid_frames
 from aioduco.kinematics.mounting import GRAVITY
 from aioduco.models.load import Load
+from aioduco.models.numpy_on_use import number_array
 from aioduco.models.rules import Number, Vector
 
 if TYPE_CHECKING:
@@ -238,7 +239,7 @@ def _rows(name: str, given: Any, count: int) -> Array:
     """Readings of six numbers each. Shape (n, 6)."""
     expected = f"six finite numbers for each of {count} poses"
     try:
-        found = np.array([[*each] for each in given], dtype=np.float64)
+        found = number_array(name, [[*each] for each in given], expected)
     except (TypeError, ValueError, OverflowError) as error:
         raise ParameterError(name, type(given).__name__, expected) from error
     if found.shape != (count, 6) or not np.isfinite(found).all():

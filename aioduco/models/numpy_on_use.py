@@ -1,10 +1,17 @@
-"""numpy, loaded when it is first used: opening a robot and stopping it needs none of it."""
+"""numpy, loaded when it is first used: opening a robot and stopping it needs none of it.
+
+Here is also told what of it is a number, and what is not.
+"""
 
 from __future__ import annotations
 
 import importlib
+import numbers
 import sys
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
+
+from aioduco.errors import Described, ParameterError
 
 if TYPE_CHECKING:
     from typing import TypeGuard
@@ -23,7 +30,10 @@ else:
 
     np = _NumpyOnUse()
 
-__all__ = ["is_array", "is_scalar", "np"]
+#: what counts as a number: also those of numpy, and fractions
+_REAL: Any = numbers.Real
+
+__all__ = ["is_array", "is_number", "is_scalar", "np", "number_array", "plain"]
 
 
 def is_array(value: object) -> TypeGuard[NDArray[Any]]:
@@ -34,6 +44,57 @@ def is_array(value: object) -> TypeGuard[NDArray[Any]]:
 def is_scalar(value: object) -> TypeGuard[np.generic[Any] | NDArray[Any]]:
     """Whether a value is a scalar of numpy, or an array without dimensions."""
     return isinstance(value, _kinds("generic")) or (is_array(value) and value.ndim == 0)
+
+
+def plain(value: object) -> Any:
+    """A scalar of numpy, or an array without dimensions, as Python has it.
+
+    A time of numpy becomes None: it counts as a whole number there, in a unit of its own.
+    """
+    if not is_scalar(value):
+        return value
+    return None if value.dtype.kind in "mM" else value.item()
+
+
+def is_number(value: object) -> bool:
+    """Whether it is a real number, also one of numpy; True, False and times are none."""
+    number = plain(value)
+    return isinstance(number, _REAL) and not isinstance(number, bool)
+
+
+def number_array(
+    name: str, value: Any, expected: str = "an array of numbers", *, finite: bool = True
+) -> NDArray[np.float64]:
+    """A new array of numbers.
+
+    Texts are none, although numpy converts them, nor are times, which have another unit than the
+    argument, nor truth values. What is masked is missing: it counts as not finite.
+
+    Args:
+        name: the argument's name.
+        value: the argument.
+        expected: what it must be.
+        finite: whether all of them must be finite.
+
+    Raises:
+        ParameterError: it is no such array.
+    """
+    told = value
+    found = None
+    with suppress(TypeError, ValueError, OverflowError):
+        given = np.asarray(value)
+        if is_array(value):
+            told = Described(f"an array of shape {given.shape} and type {given.dtype}")
+        kind = given.dtype.kind
+        if kind in "fiu" or (kind == "O" and all(map(is_number, given.flat))):
+            found = given.astype(np.float64)
+    if found is None:
+        raise ParameterError(name, told, expected)
+    if np.ma.is_masked(value):
+        found[np.ma.getmaskarray(value)] = np.nan
+    if finite and not np.isfinite(found).all():
+        raise ParameterError(name, told, f"{expected}, all of them finite")
+    return found
 
 
 def _kinds(name: str) -> tuple[type, ...]:

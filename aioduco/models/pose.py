@@ -6,11 +6,10 @@ import math
 from abc import abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from numbers import Real
 from typing import TYPE_CHECKING, Any, Literal, Self, TypeAlias, Union, get_args, overload
 
 from aioduco.errors import Described, ParameterError
-from aioduco.models.numpy_on_use import is_array, is_scalar, np
+from aioduco.models.numpy_on_use import is_array, is_number, np, number_array, plain
 from aioduco.models.rotation import (
     matrix_from_quaternion,
     matrix_from_rotvec,
@@ -37,8 +36,6 @@ QuaternionOrder: TypeAlias = Literal["wxyz", "xyzw"]
 #: decimals each element is off by up to 5e-7, and the product by up to 2·√3 times as much
 _ORTHONORMAL = 2e-6
 _EXACT = 1e-12  # the same, by computing alone
-#: what counts as a number: also those of numpy, and fractions
-_REAL: Any = Real
 
 
 class _Six(Sequence[float]):
@@ -59,8 +56,8 @@ class _Six(Sequence[float]):
         values: tuple[Any, ...] = self._values()
         names: tuple[str, ...] = type(self).__slots__
         for name, given in zip(names, values, strict=True):
-            value = given.item() if is_scalar(given) else given
-            if isinstance(value, bool) or not isinstance(value, _REAL):
+            value = plain(given)
+            if not is_number(value):
                 raise ParameterError(name, given, f"a number, as one of {self._expected}")
             try:
                 number = float(value)
@@ -391,8 +388,8 @@ JointsLike: TypeAlias = Union[Joints, Sequence[float], "NDArray[Any]"]
 
 
 def _fraction(t: float) -> float:
-    given: Any = t.item() if is_scalar(t) else t
-    if isinstance(given, bool) or not isinstance(given, _REAL) or not 0.0 <= given <= 1.0:
+    given = plain(t)
+    if not is_number(given) or not 0.0 <= given <= 1.0:
         raise ParameterError("t", t, "a number from 0 to 1")
     return float(given)
 
@@ -403,10 +400,7 @@ def _order(order: QuaternionOrder) -> QuaternionOrder:
 
 
 def _finite(name: str, values: object, shape: tuple[int, ...], expected: str) -> Array:
-    try:
-        array = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError) as exc:
-        raise ParameterError(name, values, expected) from exc
+    array = number_array(name, values, expected, finite=False)
     if array.shape != shape or not np.isfinite(array).all():
         raise ParameterError(name, array.tolist(), f"finite, {expected}")
     return array

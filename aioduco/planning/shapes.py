@@ -7,14 +7,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 from xml.etree import ElementTree as ET
 
-import numpy as np
-
 from aioduco.errors import ParameterError, SceneError
+from aioduco.models.numpy_on_use import number_array
 from aioduco.sim.scene import Thing
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    import numpy as np
     from numpy.typing import NDArray
 
 
@@ -105,12 +105,7 @@ class PointCloud(Thing):
 
 
 def _points(name: str, value: Any, *, least: int) -> NDArray[np.float64]:
-    try:
-        found = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError) as exc:
-        raise ParameterError(name, value, "numbers of the shape (n, 3) [m]") from exc
+    found = number_array(name, value, "numbers of the shape (n, 3) [m]")
     if found.ndim != 2 or found.shape[1] != 3 or len(found) < least:
         raise ParameterError(name, found.shape, f"of the shape (n, 3), n from {least} [m]")
-    if not np.isfinite(found).all():
-        raise ParameterError(name, value, "of finite numbers [m]")
     return found

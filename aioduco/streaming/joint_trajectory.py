@@ -10,8 +10,9 @@ import numpy as np
 from aioduco._process.copying import Frozen
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
+from aioduco.models.numpy_on_use import number_array
 from aioduco.models.rules import Number, Vector, stored
-from aioduco.streaming.sampling import Spline, numbers
+from aioduco.streaming.sampling import Spline
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -156,7 +157,7 @@ class JointTrajectory(Frozen):
 
 def _fixed(name: str, value: Any) -> NDArray[np.float64]:
     """A copy that cannot be changed, so that the checks of it stay valid."""
-    found = numbers(name, value)
+    found = number_array(name, value)
     found.setflags(write=False)
     return found
 

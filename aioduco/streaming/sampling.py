@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from aioduco.errors import Described, ParameterError
+from aioduco.models.numpy_on_use import number_array
 from aioduco.models.rules.scalars import LONGEST
 from aioduco.streaming.shared.space import PoseSpace
 
@@ -123,12 +124,12 @@ def sampled(space: Space, trajectory: Any, times: Any, interval: float) -> NDArr
     Raises:
         ParameterError: the shapes do not match, a number is not finite, or times do not rise.
     """
-    points = numbers("trajectory", trajectory)
+    points = number_array("trajectory", trajectory)
     if points.ndim != 2 or points.shape[1] != 6 or not len(points):
         raise ParameterError("trajectory", points.shape, "of the shape (n, 6), n at least 1")
     if times is None:
         return points
-    moments = numbers("times", times)
+    moments = number_array("times", times)
     if moments.shape != (len(points),):
         raise ParameterError("times", moments.shape, f"of the shape ({len(points)},)")
     if np.any(np.diff(moments) <= 0):
@@ -175,21 +176,4 @@ def _poses(
         turn = tuple(share * t for t in turns[index])
         found[row] = space.encode(space.moved(decoded[index], turn))
     found[:, :3] = placed
-    return found
-
-
-def numbers(name: str, value: Any) -> NDArray[np.float64]:
-    """A new array of finite numbers.
-
-    Raises:
-        ParameterError: it is none.
-    """
-    try:
-        if np.asarray(value).dtype.kind in "SU":
-            raise ParameterError(name, value, "an array of numbers, not of texts")
-        found = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError) as exc:
-        raise ParameterError(name, value, "an array of numbers") from exc
-    if not np.all(np.isfinite(found)):
-        raise ParameterError(name, value, "an array of finite numbers")
     return found

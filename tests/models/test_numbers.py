@@ -23,6 +23,7 @@ from aioduco import (
     Tolerances,
     descriptions,
     kinematics,
+    planning,
 )
 from aioduco.api.streams.arguments import per_group
 from aioduco.devices.cameras.board import BoardSize
@@ -87,12 +88,14 @@ def test_every_kind_of_number_is_taken_and_kept_as_a_float(name: str) -> None:
 def test_what_is_no_finite_number_is_refused(name: str) -> None:
     for value in (
         *(math.nan, math.inf, -math.inf, None, "1", True, np.True_, 10**400, 10**5000, 1j, [1]),
-        Decimal(1),
+        *(Decimal(1), np.timedelta64(1, "ns"), np.timedelta64(1, "s"), np.datetime64(1, "ns")),
     ):
         with pytest.raises(ParameterError):
             TAKERS[name](value)
 
 
+#: pandas and ROS give such ones; numpy has them as whole numbers
+NANO = np.timedelta64(3, "ns")
 WHOLES: list[Any] = [3, np.int64(3), np.uint8(3), np.array(3)]
 #: by name, what takes one whole number
 WHOLE_TAKERS: dict[str, Callable[[Any], Any]] = {
@@ -113,7 +116,7 @@ def test_every_kind_of_whole_number_is_taken_and_kept_as_an_int(name: str) -> No
 
 @pytest.mark.parametrize("name", WHOLE_TAKERS)
 def test_what_is_no_whole_number_is_refused(name: str) -> None:
-    for value in (3.0, np.float64(3.0), np.array(3.0), np.array([3]), True, np.True_, None):
+    for value in (3.0, np.float64(3.0), np.array(3.0), np.array([3]), True, np.True_, None, NANO):
         with pytest.raises(ParameterError):
             WHOLE_TAKERS[name](value)
 
@@ -145,6 +148,66 @@ def test_a_time_in_nanoseconds_is_named_as_one() -> None:
         JointTrajectory([[0.0] * 6, [0.1] * 6], [0.0, 1e9])
     with pytest.raises(ParameterError, match="seconds, not nanoseconds"):
         sampled(JOINT_SPACE, [[0.0] * 6, [0.1] * 6], [0.0, 4e8], 0.002)
+
+
+#: by name, what takes an array
+ARRAY_TAKERS: dict[str, Callable[[Any], Any]] = {
+    "times": lambda x: JointTrajectory(np.zeros((6, 6)), x),
+    "positions": lambda x: JointTrajectory([x, [0.0] * 6], [0.0, 1.0]),
+    "sampled": lambda x: sampled(JOINT_SPACE, np.zeros((6, 6)), x, 0.002),
+    "rule": lambda x: ranges.JOINTS("joints", x),
+    "Joints": Joints.of,
+    "fkine": kinematics.arm("gcr5_910").fkine,
+    "near": lambda x: kinematics.arm("gcr5_910").ikine(np.eye(4), x),
+    "ikine": lambda x: kinematics.arm("gcr5_910").ikine(x, [0.0] * 6),
+    "rotation": lambda x: Pose.from_rotvec(x[:3], [0.0, 0.0, 0.0]),
+    "cloud": lambda x: planning.PointCloud(points=np.reshape(x, (2, 3))),
+}
+
+
+@pytest.mark.parametrize("name", ARRAY_TAKERS)
+def test_an_array_of_other_things_than_numbers_is_refused(name: str) -> None:
+    take = ARRAY_TAKERS[name]
+    nano = np.arange(6) * np.timedelta64(1, "ns")
+    for value in (
+        *(
+            nano,
+            nano.astype("m8[s]"),
+            np.arange(6) * 1j,
+            np.array(list("012345")),
+            np.ones(6, bool),
+        ),
+        np.array([0, 1, 2, None, 4, 5], dtype=object),
+    ):
+        with pytest.raises(ParameterError):
+            take(value)
+
+
+@pytest.mark.parametrize("name", ["times", "positions", "Joints", "fkine", "rotation"])
+def test_an_array_of_any_kind_of_number_is_taken(name: str) -> None:
+    for kind in (np.float32, np.int64, np.uint8, object):
+        ARRAY_TAKERS[name](np.arange(6).astype(kind))
+    ARRAY_TAKERS[name](np.ma.masked_array(np.arange(6.0), mask=[False] * 6))
+
+
+def test_what_is_masked_is_missing() -> None:
+    masked = np.ma.masked_array(np.zeros((2, 6)), mask=np.eye(2, 6, dtype=bool))
+    with pytest.raises(ParameterError, match="finite"):
+        JointTrajectory(masked, [0.0, 1.0])
+
+
+@pytest.mark.parametrize("jump", [math.nan, -1.0, "1", True])
+def test_a_largest_jump_that_is_no_angle_is_refused(jump: Any) -> None:
+    arm = kinematics.arm("gcr5_910")
+    home = Joints.deg(30, -15, 105, 0, -90, 0)
+    with pytest.raises(ParameterError, match="max_jump"):
+        arm.ikine(arm.fkine(home), home, max_jump=jump)
+
+
+@pytest.mark.parametrize("length", [math.nan, "x", None, True, 425.0])
+def test_a_length_of_an_arm_that_is_no_number_is_refused(length: Any) -> None:
+    with pytest.raises(ParameterError, match="a2"):
+        kinematics.arm("gcr5_910", a2=length)
 
 
 def test_set_points_fit_into_memory() -> None:

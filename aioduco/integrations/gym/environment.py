@@ -14,6 +14,7 @@ from aioduco.integrations.gym.arms import ControllerArm, PhysicsArm
 from aioduco.integrations.gym.names import TASKS
 from aioduco.integrations.gym.tasks import task_of
 from aioduco.kinematics import arm as arm_of
+from aioduco.models.numpy_on_use import number_array
 from aioduco.models.rotation import transform
 from aioduco.models.rules import is_whole
 from aioduco.models.words import one_of
@@ -148,12 +149,9 @@ class ArmEnv(Uncopied, gymnasium.Env[dict[str, Any], Any]):
             ParameterError: the action is not valid; nothing was done.
         """
         shape = self.action_space.shape
-        try:
-            given = np.asarray(action, dtype=np.float64)
-        except (TypeError, ValueError) as exc:
-            raise ParameterError("action", action, f"numbers, of shape {shape}") from exc
-        if given.shape != shape or not np.isfinite(given).all():
-            raise ParameterError("action", action, f"finite, of shape {shape}")
+        given = number_array("action", action, f"numbers of the shape {shape}")
+        if given.shape != shape:
+            raise ParameterError("action", action, f"numbers of the shape {shape}")
         if not self._begun:
             raise RuntimeError("there is no episode: call reset() first")
         self._aim(np.clip(given, -1.0, 1.0))

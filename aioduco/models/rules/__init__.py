@@ -11,6 +11,7 @@ infinities never pass.
 
 from __future__ import annotations
 
+from aioduco.models.numpy_on_use import is_number
 from aioduco.models.rules.lists import (
     BytesLike,
     Flags,
@@ -38,7 +39,6 @@ from aioduco.models.rules.scalars import (
     Text,
     Whole,
     condition_holds,
-    is_number,
     is_whole,
     stored,
 )

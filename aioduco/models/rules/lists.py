@@ -25,7 +25,7 @@ BytesLike: TypeAlias = "bytes | bytearray | memoryview | Sequence[Whole] | NDArr
 def ordered(name: str, value: object, expected: str) -> Sequence[Any]:
     """Return the elements of an ordered collection; mappings, sets and texts are refused."""
     if is_array(value):
-        if value.ndim == 1:
+        if value.ndim == 1 and value.dtype.kind not in "mM":  # times have a unit of their own
             return list(value.tolist())
     elif isinstance(value, Sequence):
         if not isinstance(value, (str, bytes, bytearray, memoryview)):

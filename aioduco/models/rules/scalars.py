@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from aioduco.errors import Described, ParameterError
 from aioduco.models.bounds import least, most, shown
-from aioduco.models.numpy_on_use import is_scalar
+from aioduco.models.numpy_on_use import is_number, plain
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -24,8 +24,6 @@ Real: TypeAlias = "float | np.floating[Any] | np.integer[Any]"
 Whole: TypeAlias = "int | np.integer[Any]"
 
 _MAX = sys.float_info.max
-#: what counts as a number: also those of numpy, and fractions
-_REAL: Any = numbers.Real
 _WHOLE: Any = numbers.Integral
 #: distance from base to flange of the longest arms, gcr10_2000 and gcr16_2000, stretched out [m]
 LONGEST_ARM = 2.51
@@ -70,11 +68,6 @@ def condition_holds(name: str, answer: object) -> bool:
         returns = Described("a function whose result must be awaited")
         raise ParameterError(name, returns, "a function that returns at once whether it holds")
     return bool(answer)
-
-
-def _plain(value: object) -> object:
-    """Convert a numpy scalar, or an array without dimensions, to a Python scalar."""
-    return value.item() if is_scalar(value) else value
 
 
 class Rule:
@@ -147,7 +140,7 @@ class Number(Rule):
         return self._other(name, value)
 
     def _other(self, name: str, value: object) -> float:
-        number: Any = _plain(value)
+        number: Any = plain(value)
         if not is_number(number):
             raise ParameterError(name, value, self.expected)
         if self._low <= number <= self._high:
@@ -166,15 +159,9 @@ class Number(Rule):
         raise ParameterError(name, value, self.expected + hint)
 
 
-def is_number(value: object) -> bool:
-    """Whether it is a real number, also one of numpy; True and False are none."""
-    number = _plain(value)
-    return isinstance(number, _REAL) and not isinstance(number, bool)
-
-
 def is_whole(value: object) -> bool:
     """Whether it is a whole number, also one of numpy; True and False are none."""
-    return is_number(value) and isinstance(_plain(value), _WHOLE)
+    return is_number(value) and isinstance(plain(value), _WHOLE)
 
 
 class Integer(Rule):
@@ -199,7 +186,7 @@ class Integer(Rule):
         """Check `value` and return it as an int."""
         if type(value) is int and self.low <= value <= self.high:
             return value
-        number: Any = _plain(value)
+        number: Any = plain(value)
         if not is_whole(number) or not self.low <= number <= self.high:
             raise ParameterError(name, value, self.expected)
         return int(number)
@@ -221,7 +208,7 @@ class Choice(Rule):
 
     def __call__(self, name: str, value: Whole) -> int:
         """Check `value` and return it as an int."""
-        number = _plain(value)
+        number = plain(value)
         if isinstance(number, bool) or not isinstance(number, int) or number not in self.choices:
             raise ParameterError(name, value, self.expected)
         return int(number)
@@ -240,7 +227,7 @@ class Flag(Rule):
         """Check `value` and return it as a bool."""
         if value is True or value is False:
             return value
-        flag = _plain(value)
+        flag = plain(value)
         if not isinstance(flag, bool):
             raise ParameterError(name, value, self.expected)
         return flag
