@@ -43,7 +43,7 @@ _GIVEN: dict[str, dict[str, Any]] = {
     "PointCloud": {"points": ((0.1, 0.2, 0.3),)},
     "PointOp": {"pos": Joints(0.1, 0.2, 0.3, 0.4, 0.5, 0.6)},
     "RealtimePoint": {"values": (0.1,) * 6},
-    "Zone": {"shape": "box", "at": (0.1, 0.2, 0.3, 0.0, 0.0, 0.0), "size": (0.1, 0.2, 0.3)},
+    "Zone": {"shape": "box", "at": (0.1, 0.2, 0.3), "size": (0.1, 0.2, 0.3)},
 }
 
 

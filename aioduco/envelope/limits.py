@@ -10,7 +10,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias, get_args
 
 from aioduco.errors import Described, ParameterError
-from aioduco.models.ranges import OWN_NAME_OR_NONE
+from aioduco.models.pose import Joints
+from aioduco.models.ranges import FINITE, OWN_NAME_OR_NONE
+from aioduco.models.rules import Number
+from aioduco.models.rules.lists import ordered
+from aioduco.models.rules.scalars import FARTHEST
 from aioduco.models.words import one_of
 
 if TYPE_CHECKING:
@@ -39,6 +43,8 @@ Body: TypeAlias = Literal["tool", "elbow", "flange"]
 #: the points of the arm to which zones apply: the tool's tip, the axis of joint 3, the flange
 BODIES: tuple[str, ...] = get_args(Body)
 _MOST = 100  # largest number of limits in one envelope
+#: number of lengths of each shape of a zone; of a plane, those of its normal
+_SIZES = {"box": 3, "sphere": 1, "plane": 3}
 #: highest limit of the tool's speed; no arm is nearly as fast, so such a number is none of m/s
 _FASTEST = 20.0
 
@@ -133,7 +139,15 @@ class Zone(EnvelopeLimit):
 
     def __post_init__(self) -> None:
         EnvelopeLimit.__post_init__(self)
+        one_of("shape", self.shape, _SIZES)
         one_of("keep", self.keep, ("in", "out"))
+        # also after dataclasses.replace: a zone with NaN would hold nothing
+        object.__setattr__(self, "at", _place("at", self.at, 3))
+        size = _numbers("size", self.size, _SIZES[self.shape])
+        for each in size if self.shape != "plane" else ():
+            _positive("size", each, "m")
+        object.__setattr__(self, "size", size)
+        object.__setattr__(self, "turn", _numbers("turn", self.turn, 9))
         object.__setattr__(self, "bodies", _bodies(self.bodies))
 
     def _what(self) -> str:
@@ -167,11 +181,8 @@ class Zone(EnvelopeLimit):
         """
         numbers = _place("at", at, 3, 6)
         turn = _rotation(*numbers[3:]) if len(numbers) == 6 else _rotation(0.0, 0.0, 0.0)
-        lengths = _numbers("size", size, 3)
-        for length in lengths:
-            _positive("size", length, "m")
         return cls(
-            shape="box", keep=keep, at=numbers[:3], size=lengths, turn=turn,
+            shape="box", keep=keep, at=numbers[:3], size=_numbers("size", size, 3), turn=turn,
             bodies=_bodies(bodies), action=action, speed=speed, name=name,
         )  # fmt: skip
 
@@ -407,21 +418,14 @@ def _bodies(given: Any) -> tuple[Body, ...]:
 
 def _numbers(name: str, values: Any, *counts: int) -> tuple[float, ...]:
     wanted = f"{' or '.join(map(str, counts))} finite numbers"
-    try:
-        numbers = tuple(float(value) for value in values)
-    except (TypeError, ValueError, OverflowError) as exc:
-        raise ParameterError(name, values, wanted) from exc
-    if len(numbers) not in counts or not all(map(math.isfinite, numbers)):
+    given = ordered(name, values, wanted)
+    if len(given) not in counts or isinstance(values, Joints):
         raise ParameterError(name, values, wanted)
-    return numbers
+    return tuple(FINITE(name, each) for each in given)
 
 
 def _place(name: str, values: Any, *counts: int) -> tuple[float, ...]:
     """Numbers of which the first three are a place in the base frame [m]."""
-    # Imported here: the worker of a stream, which checks nothing, does not load the rules.
-    from aioduco.models.rules import Number  # noqa: PLC0415
-    from aioduco.models.rules.scalars import FARTHEST  # noqa: PLC0415
-
     numbers = _numbers(name, values, *counts)
     for number in numbers[:3]:
         Number(unit="m", plausible=FARTHEST, source="this package")(name, number)
@@ -429,9 +433,6 @@ def _place(name: str, values: Any, *counts: int) -> tuple[float, ...]:
 
 
 def _positive(name: str, value: Any, unit: str, most: float = math.inf) -> float:
-    from aioduco.models.rules import Number  # noqa: PLC0415 - as above
-    from aioduco.models.rules.scalars import FARTHEST  # noqa: PLC0415
-
     plausible = FARTHEST if unit == "m" else math.inf
     rule = Number(0.0, most, unit, open_low=True, plausible=plausible, source="this package")
     return rule(name, value)

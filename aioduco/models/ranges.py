@@ -33,6 +33,7 @@ from aioduco.models.rules import (
     PoseRule,
     Signed,
     Text,
+    Texts,
     Vector,
     is_whole,
 )
@@ -51,6 +52,7 @@ NAME = Text(min_bytes=1, max_bytes=32, one_line=True, source="1.3.7")
 FRAME = Text(max_bytes=32, one_line=True, source="1.3.7")
 #: free text: log messages, values of string variables
 TEXT = Text(source="1.3.8")
+TEXTS = Texts(TEXT, source="this package")
 #: name of a program, a project's path, a system variable or a Modbus signal: the manual gives no
 #: length; only an empty name is refused
 LONG_NAME = Text(min_bytes=1, one_line=True, source="1.3.4")

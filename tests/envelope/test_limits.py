@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from typing import Any
 
 import mujoco
@@ -23,13 +24,14 @@ from aioduco.envelope.checker import EnvelopeChecker
 from aioduco.errors import ParameterError
 from aioduco.kinematics import arm
 from aioduco.kinematics.forward import frames
-from aioduco.models.pose import Pose
+from aioduco.models.pose import Joints, Pose
 from aioduco.models.rotation import quaternion_from_matrix
 
 ARM = arm("gcr5_910")
 START = (0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0)
 TOOL = Pose(0.02, -0.03, 0.15, 0.1, 0.2, 0.3)
 NONE = Pose(0, 0, 0, 0, 0, 0)
+SPHERE = Zone.sphere((0, 0, 1), 0.2)
 
 
 def checker(*limits: Any, tool: Pose = TOOL, by_tip: bool = False) -> EnvelopeChecker:
@@ -173,6 +175,17 @@ def test_a_crossing_says_what_and_where() -> None:
         lambda: Zone.plane((0, 0, 0), (0, 0, 0)),
         lambda: Zone.plane((0, 0, 0), (0, 0, 1), bodies=("wrist",)),  # type: ignore[arg-type]  # it is refused
         lambda: Zone.plane((0, 0, 0), (0, 0, 1), bodies=()),
+        lambda: Zone.box("123", "111"),  # type: ignore[arg-type]  # it is refused
+        lambda: Zone.box({0.1, 0.2, 0.3}, (1, 1, 1)),  # type: ignore[arg-type]  # it has no order
+        lambda: Zone.box(Joints(1, 1, 1, 0, 0, 0), (1, 1, 1)),
+        lambda: Zone.box((True, False, True), (1, 1, 1)),
+        lambda: replace(SPHERE, size=(math.nan,)),
+        lambda: replace(SPHERE, size=(1.0, 1.0)),
+        lambda: replace(SPHERE, at=(0.0, 0.0)),
+        lambda: replace(SPHERE, at=(500.0, 0.0, 0.0)),
+        lambda: replace(SPHERE, shape="ball"),  # type: ignore[arg-type]  # it is refused
+        lambda: replace(SPHERE, shape="box"),
+        lambda: replace(Zone.box((0, 0, 0), (1, 1, 1)), turn=(1.0, 0.0, 0.0)),
         lambda: ToolSpeed(0.0),
         lambda: ToolSpeed(0.1, action="ignore"),  # type: ignore[arg-type]  # it is refused
         lambda: SingularityMargin(1.5),

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from aioduco.errors import DucoError, ParameterError
 from aioduco.models.address import host_alone
-from aioduco.models.ranges import HEARTBEAT
+from aioduco.models.ranges import HEARTBEAT, TEXTS
+from aioduco.models.rules import stored
 from aioduco.models.similar import did_you_mean
 from aioduco.models.toml_files import read_toml
 
@@ -104,9 +106,15 @@ class FleetSettings:
         if self.gateway:
             _named("name of the gateway", self.gateway)
         _typed(self, discover=bool, rate=(int, float), zenoh=str, keys=str)
-        for name in ("listen", "connect", "expect"):
-            if not all(isinstance(each, str) for each in getattr(self, name)):
-                raise FleetFileError(f"{name} must be a list of strings")
+        try:
+            stored(self, listen=TEXTS, connect=TEXTS, expect=TEXTS)
+        except ParameterError as error:
+            raise FleetFileError(str(error)) from None
+        if not isinstance(self.arms, Sequence) or not all(
+            isinstance(arm, ArmSettings) for arm in self.arms
+        ):
+            raise FleetFileError(f"arms is {self.arms!r}, but must be a list of ArmSettings")
+        object.__setattr__(self, "arms", tuple(self.arms))
         for each in self.expect:
             _named("expected gateway", each)
         if not 0.1 <= self.rate <= 100:
@@ -150,11 +158,6 @@ class FleetSettings:
         known = {each.name for each in fields(cls)} - {"arms"}
         _only("[fleet]", fleet, known)
         values = dict(fleet)
-        for name in ("listen", "connect", "expect"):
-            if name in values:
-                if not isinstance(values[name], list):
-                    raise FleetFileError(f"{name} must be a list of strings")
-                values[name] = tuple(values[name])
         made = []
         for arm in arms:
             if not isinstance(arm, dict):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from aioduco.errors import Described, ParameterError
 from aioduco.models.numpy_on_use import is_array, np
 from aioduco.models.pose import Joints, Pose
-from aioduco.models.rules.scalars import FARTHEST, Choice, Flag, Integer, Number, Rule
+from aioduco.models.rules.scalars import FARTHEST, Choice, Flag, Integer, Number, Rule, Text
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -208,6 +208,26 @@ class Integers(Rule):
             raise ParameterError(name, value, self.expected)
         element = self.element
         return [element(f"{name}[{i}]", item) for i, item in enumerate(items)]
+
+
+class Texts(Rule):
+    """A list of texts. One text alone is refused: its letters would be taken for the texts.
+
+    Attributes:
+        element: the rule of each text.
+    """
+
+    __slots__ = ("element",)
+
+    def __init__(self, element: Text, *, source: str) -> None:
+        self.element: Text = element
+        self.source = source
+        self.expected: str = "a list of texts"
+
+    def __call__(self, name: str, value: Sequence[str]) -> tuple[str, ...]:
+        """Check `value` and return it as a tuple of texts."""
+        items = ordered(name, value, self.expected)
+        return tuple(self.element(f"{name}[{i}]", item) for i, item in enumerate(items))
 
 
 class Flags(Rule):

@@ -7,7 +7,7 @@ import numbers
 import os
 import sys
 import unicodedata
-from collections.abc import Awaitable, Coroutine
+from collections.abc import Awaitable, Callable, Coroutine
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -36,8 +36,8 @@ FARTHEST = 20.0
 LONGEST = 1e6
 
 
-def stored(settings: object, **rules: Number) -> None:
-    """Check fields of a frozen dataclass, and store the plain numbers that the rules return.
+def stored(settings: object, **rules: Callable[[str, Any], object]) -> None:
+    """Check fields of a frozen dataclass, and store the plain values that the rules return.
 
     Args:
         settings: the object.

@@ -19,7 +19,8 @@ from aioduco._process.linked_process import LinkedProcess
 from aioduco._process.spawn import MUJOCO_PACKAGES, Unstartable, is_frozen
 from aioduco.errors import DucoError
 from aioduco.kinematics import arm as arm_of
-from aioduco.models.ranges import TIMEOUT
+from aioduco.models.ranges import FILE, FINITE, FLAG, JOINTS, TEXTS, TIMEOUT
+from aioduco.models.rules import Integer, stored
 from aioduco.sim.physics.world import World
 from aioduco.sim.scene import mjcf_of, mounting_of
 from aioduco.testing.preflight.borders import address_of
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from aioduco.sim.scene import MountingLike, SceneLike
 
 
+_SEED = Integer(-(2**63), 2**63 - 1, source="this package")
 #: time of a cycle of the simulation [s]: half the rate of a controller, for speed
 CYCLE = 0.002
 #: time within which a program that did not end must write its stacks [s]
@@ -66,7 +68,7 @@ class PreflightSettings:
         seed: seed of the variation.
 
     Raises:
-        ParameterError: a time is not above 0.
+        ParameterError: a setting is of a wrong type, or out of range.
     """
 
     model: str = "gcr5_910"
@@ -77,7 +79,7 @@ class PreflightSettings:
     joints: Sequence[float] | None = None
     vendor: bool = False
     module: bool = False
-    cwd: str | None = None
+    cwd: str | os.PathLike[str] | None = None
     allowed: tuple[str, ...] = ()
     reachable: tuple[str, ...] = ()
     patience: float = 60.0
@@ -86,8 +88,14 @@ class PreflightSettings:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        for name in ("patience", "timeout"):
-            TIMEOUT(name, getattr(self, name))
+        stored(
+            self, patience=TIMEOUT, timeout=TIMEOUT, pedestal=FINITE, seed=_SEED, vendor=FLAG,
+            module=FLAG, allowed=TEXTS, reachable=TEXTS, vary=TEXTS,
+        )  # fmt: skip
+        if self.joints is not None:
+            object.__setattr__(self, "joints", tuple(JOINTS("joints", self.joints)))
+        if self.cwd is not None:
+            object.__setattr__(self, "cwd", str(FILE("cwd", self.cwd)))
 
     def plain(self) -> dict[str, Any]:
         """The settings as values for JSON, with scenes as text."""
@@ -99,7 +107,7 @@ class PreflightSettings:
             "mounting": mounting
             if isinstance(mounting, str)
             else [float(each) for each in mounting],
-            "joints": None if self.joints is None else [float(each) for each in self.joints],
+            "joints": None if self.joints is None else [*self.joints],
         }
 
 
@@ -200,6 +208,7 @@ def preflight(
             caller is a frozen program, which has no interpreter to run another program.
     """
     refuse_frozen()
+    arguments = TEXTS("arguments", arguments)
     settings = PreflightSettings() if settings is None else settings
     name = os.fspath(program)
     if not settings.module and not Path(settings.cwd or "", name).is_file():
@@ -214,7 +223,7 @@ def preflight(
     begin = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="aioduco-preflight-") as folder:
         options = {
-            **settings.plain(), "program": name, "arguments": list(arguments), "cycle": CYCLE,
+            **settings.plain(), "program": name, "arguments": [*arguments], "cycle": CYCLE,
             "folder": folder,
         }  # fmt: skip
         run, samples = _run(options, Path(folder), settings.timeout, quiet=quiet)
@@ -226,7 +235,7 @@ def preflight(
     found = findings(run, allowed=settings.allowed, more=near_by)
     near = margins(run, samples, cell["model"], _world(cell))
     return PreflightReport(
-        name, tuple(arguments), found, near, tuple(run["calls"]), tuple(run["contacts"]),
+        name, arguments, found, near, tuple(run["calls"]), tuple(run["contacts"]),
         tuple(run["io"]), run["duration"], took, run["status"], run["variation"], samples, cell,
     )  # fmt: skip
 

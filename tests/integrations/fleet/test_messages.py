@@ -20,7 +20,7 @@ from aioduco.integrations.fleet.reports import (
     StopReport,
     StopRequest,
 )
-from aioduco.integrations.fleet.settings import FleetFileError, FleetSettings
+from aioduco.integrations.fleet.settings import ArmSettings, FleetFileError, FleetSettings
 
 ARM = {"name": "left", "host": "127.0.0.1"}
 READERS = (StopRequest, StopReport, GatewayReport)
@@ -148,8 +148,8 @@ def test_a_report_says_that_the_heartbeat_is_withheld() -> None:
         ({}, "lacks name"),
         ({"fleet": {"name": "a/b"}}, "letters, digits"),
         ({"fleet": {"name": "f", "lisen": []}}, "takes no lisen; .*: did you mean 'listen'"),
-        ({"fleet": {"name": "f", "listen": "tcp/1"}}, "list of strings"),
-        ({"fleet": {"name": "f", "connect": [1]}}, "list of strings"),
+        ({"fleet": {"name": "f", "listen": "tcp/1"}}, "list of texts"),
+        ({"fleet": {"name": "f", "connect": [1]}}, "list of texts"),
         ({"fleet": {"name": "f", "rate": 0}}, "0.1 to 100"),
         ({"fleet": {"name": "f", "discover": 1}}, "wrong type"),
         ({"fleet": {"name": "f"}, "arm": [{"name": "left"}]}, "lacks host"),
@@ -184,3 +184,21 @@ def test_a_file_says_nothing_of_the_network_it_listens_on_loopback() -> None:
     assert settings.listen == ("tcp/127.0.0.1:7447",)
     assert not settings.discover
     assert settings.arms[0].heartbeat == 1.0
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        *({"listen": "tcp/127.0.0.1:7447"}, {"connect": "tcp/router:7447"}, {"expect": "left"}),
+        *({"listen": None}, {"expect": 5}, {"arms": None}, {"arms": "left"}, {"arms": ["left"]}),
+    ],
+)
+def test_one_text_in_the_place_of_a_list_is_refused(given: dict[str, Any]) -> None:
+    with pytest.raises(FleetFileError):
+        FleetSettings("hall", **given)
+
+
+def test_settings_made_of_lists_are_those_of_tuples() -> None:
+    arm = ArmSettings("left", "192.0.2.1")
+    settings = FleetSettings("hall", expect=["cell"], arms=[arm])  # type: ignore[arg-type]
+    assert hash(settings) == hash(FleetSettings("hall", expect=("cell",), arms=(arm,)))

@@ -7,11 +7,13 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from cli_runner import CliRunner
 from interpreter import python
 
 from aioduco.cli.app import app
+from aioduco.errors import ParameterError
 from aioduco.testing.preflight import PreflightSettings, preflight
 
 BEGIN = """import sys
@@ -135,3 +137,32 @@ def test_no_function_of_this_package_is_replaced(tmp_path: Path) -> None:
     report = preflight(program, (), PreflightSettings(timeout=110), quiet=True)
     assert report.ok, report.findings
     assert report.motions
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        *({"allowed": "table"}, {"reachable": "192.0.2.1:80"}, {"vary": "start"}, {"vary": (1,)}),
+        *({"seed": 1.5}, {"seed": "1"}, {"vendor": 1}, {"module": "yes"}, {"cwd": 5}),
+        *({"joints": [0.0] * 5}, {"joints": "abcdef"}, {"pedestal": "high"}),
+    ],
+)
+def test_a_setting_of_another_type_is_refused(given: dict[str, Any]) -> None:
+    """The letters of one text were the bodies, the addresses and the quantities."""
+    with pytest.raises(ParameterError, match=next(iter(given))):
+        PreflightSettings(**given)
+
+
+def test_arguments_are_not_the_letters_of_one_text() -> None:
+    with pytest.raises(ParameterError, match="arguments"):
+        preflight(__file__, "--slow")
+
+
+def test_settings_of_numpy_and_a_path_are_values_for_json(tmp_path: Path) -> None:
+    settings = PreflightSettings(
+        joints=np.zeros(6), pedestal=np.float32(0.5), patience=np.float32(5), seed=np.int64(3),  # type: ignore[arg-type]
+        vendor=np.bool_(True), cwd=tmp_path, allowed=["table"],  # type: ignore[arg-type]
+    )  # fmt: skip
+    plain = json.loads(json.dumps(settings.plain()))
+    assert (plain["seed"], plain["cwd"], plain["joints"]) == (3, str(tmp_path), [0.0] * 6)
+    assert (plain["vendor"], plain["allowed"], plain["pedestal"]) == (True, ["table"], 0.5)
