@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from aioduco.errors import Described, ParameterError
+from aioduco.models.ranges import ABOVE, FINITE, FROM_0, OWN_NAME
+from aioduco.models.rules import Vector, is_number, stored
 from aioduco.models.toml_files import read_text
 from aioduco.models.whole_files import write_whole
 from aioduco.sim.twin.data import TwinCommand
@@ -53,10 +55,25 @@ _SLIDES = 0.05
 #: least number of samples in motion for a fit, and least time of a good run in motion [s]
 _ENOUGH, _LEAST = 50, 5.0
 
+#: fields that are limits, and those of six numbers
+_LIMITS = ("mass", "force", "friction", "position", "angle", "path", "delay")
+_SIXES = ("torque", "tracking", "dry", "viscous", "offset", "lag", "noise")
+_SIX_NUMBERS = Vector(FINITE, length=6)
+
+
+def _limit(name: str, value: Any) -> float:
+    return math.inf if is_number(value) and value == math.inf else ABOVE(name, value)
+
+
+def _six_of(name: str, value: Any) -> tuple[float, ...]:
+    return tuple(_SIX_NUMBERS(name, value))
+
 
 @dataclass(frozen=True, kw_only=True)
 class TwinLimits:
     """Limits for one arm, and what is normal for it. `TwinLimits.of` gives some without a good run.
+
+    Limits are above 0. `math.inf` is no limit, but for the torques and tracking errors.
 
     Attributes:
         arm: the model, such as "gcr5_910".
@@ -74,6 +91,9 @@ class TwinLimits:
         lag: time by which the joints follow their set-points [s]. Six.
         noise: standard deviations of the external torques [N m]. Six.
         learned: seconds in motion from which this was learned; 0 if it was not.
+
+    Raises:
+        ParameterError: a field is of a wrong type, or out of range.
     """
 
     arm: str
@@ -93,6 +113,15 @@ class TwinLimits:
     lag: tuple[float, ...] = field(default=(0.0,) * 6)
     noise: tuple[float, ...]
     learned: float = 0.0
+
+    def __post_init__(self) -> None:
+        stored(
+            self, arm=OWN_NAME, **dict.fromkeys(_LIMITS, _limit), **dict.fromkeys(_SIXES, _six_of),
+            usual_delay=FINITE, learned=FROM_0,
+        )  # fmt: skip
+        for name in ("torque", "tracking"):
+            for each in getattr(self, name):
+                _limit(name, each)
 
     @classmethod
     def of(cls, arm: Arm) -> Self:
@@ -118,8 +147,9 @@ class TwinLimits:
         return Friction(np.array(self.dry), np.array(self.viscous), np.array(self.offset))
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the limits to a file of JSON."""
-        write_whole(path, json.dumps(asdict(self), indent=2) + "\n")
+        """Write the limits to a file of JSON, in which null is no limit."""
+        found = {name: None if value == math.inf else value for name, value in asdict(self).items()}
+        write_whole(path, json.dumps(found, indent=2, allow_nan=False) + "\n")
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Self:
@@ -133,10 +163,13 @@ class TwinLimits:
             found: Any = json.loads(read_text(path))
             names = {each.name for each in fields(cls)}
             values: dict[str, Any] = {
-                name: tuple(value) if isinstance(value, list) else value
+                name: math.inf if value is None and name in _LIMITS else value
                 for name, value in found.items()
+                if name in names
             }
-            return cls(**{name: value for name, value in values.items() if name in names})
+            return cls(**values)
+        except ParameterError as exc:
+            raise ParameterError(f"{path}: {exc.parameter}", exc.value, exc.expected) from exc
         except (OSError, ValueError, TypeError, AttributeError, RecursionError) as exc:
             raise ParameterError("path", str(path), rule) from exc
 

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import json
+import math
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -52,6 +56,37 @@ def test_another_file_is_refused(text: str, tmp_path: Path) -> None:
     (tmp_path / "limits.json").write_text(text)
     with pytest.raises(ParameterError, match="limits"):
         TwinLimits.load(tmp_path / "limits.json")
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        *(("mass", "1"), ("mass", math.nan), ("mass", 0.0), ("mass", True), ("delay", -1.0)),
+        *(("torque", [1.0] * 5), ("torque", 1.0), ("torque", [0.0] * 6), ("dry", ["1"] * 6)),
+        *(("noise", None), ("usual_delay", math.inf), ("arm", 5), ("learned", "long")),
+    ],
+)
+def test_a_field_of_another_kind_is_named(field: str, value: Any, tmp_path: Path) -> None:
+    path = tmp_path / "limits.json"
+    TwinLimits.of(ARM).save(path)
+    path.write_text(json.dumps({**json.loads(path.read_text()), field: value}))
+    with pytest.raises(ParameterError, match=rf"limits\.json: {field}"):
+        TwinLimits.load(path)
+    with pytest.raises(ParameterError, match=field):
+        replace(TwinLimits.of(ARM), **{field: value})
+
+
+def test_limits_of_numpy_and_none_are_written_as_json(tmp_path: Path) -> None:
+    path = tmp_path / "limits.json"
+    limits = replace(
+        TwinLimits.of(ARM),
+        mass=np.float32(1.5),  # type: ignore[arg-type]
+        torque=np.ones(6),  # type: ignore[arg-type]
+        force=math.inf,
+    )
+    limits.save(path)
+    json.loads(path.read_text(), parse_constant=pytest.fail)
+    assert TwinLimits.load(path) == limits
 
 
 def test_a_run_that_hardly_moves_is_refused() -> None:
