@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from aioduco.errors import ParameterError
-from aioduco.kinematics import arm as arm_of
-from aioduco.kinematics.arm import Arm
 from aioduco.kinematics.bodies import bodies, cylinder_inertia
+from aioduco.kinematics.catalogue import arm_given
 from aioduco.kinematics.looks import looks
 from aioduco.kinematics.mounting import base_in_world
 from aioduco.models import ranges
@@ -23,6 +22,7 @@ from aioduco.models.rules import Number, Vector, stored
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from aioduco.kinematics.arm import Arm
     from aioduco.kinematics.bodies import Capsule
     from aioduco.kinematics.looks import Look
     from aioduco.kinematics.mounting import MountingLike
@@ -123,7 +123,7 @@ class ArmDescription:
     @property
     def arm(self) -> Arm:
         """The arm with its numbers."""
-        return self.model if isinstance(self.model, Arm) else arm_of(self.model)
+        return arm_given("model", self.model)
 
     def tree(self) -> ArmTree:
         """Return the links and joints."""

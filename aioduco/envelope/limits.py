@@ -347,18 +347,14 @@ class Envelope:
 
     def __init__(self, arm: Arm | str, *limits: EnvelopeLimit) -> None:
         # Imported here: it imports numpy, which the worker of a stream does not load.
-        from aioduco.kinematics import Arm  # noqa: PLC0415
-        from aioduco.kinematics import arm as arm_of  # noqa: PLC0415
+        from aioduco.kinematics.catalogue import arm_given  # noqa: PLC0415
 
-        model = arm_of(arm) if isinstance(arm, str) else arm
-        if not isinstance(model, Arm):
-            raise ParameterError("arm", arm, "an Arm, or the name of a model")
+        self.arm: Arm = arm_given("arm", arm)
         if len(limits) > _MOST:
             raise ParameterError("limits", Described(f"{len(limits)} limits"), f"up to {_MOST}")
         for number, limit in enumerate(limits):
             if not isinstance(limit, EnvelopeLimit):
                 raise ParameterError(f"limits[{number}]", limit, "a limit, such as a Zone")
-        self.arm: Arm = model
         self.limits: tuple[EnvelopeLimit, ...] = limits
 
     def __repr__(self) -> str:

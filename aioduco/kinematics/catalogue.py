@@ -9,6 +9,7 @@ from functools import cache
 from importlib import resources
 from typing import Any
 
+from aioduco.errors import ParameterError
 from aioduco.kinematics.arm import Arm
 from aioduco.kinematics.geometry import LENGTHS, Geometry
 from aioduco.models.rules.scalars import FARTHEST, Number
@@ -40,6 +41,19 @@ def _model(name: str) -> Arm:
         masses=tuple(data["masses"]),
         centres=tuple(tuple(centre) for centre in data["centres"]),
     )
+
+
+def arm_given(name: str, given: object) -> Arm:
+    """The arm of an argument that is one, or the name of a model.
+
+    Raises:
+        ParameterError: it is neither, or there is no such model.
+    """
+    if isinstance(given, str):
+        return arm(given)
+    if not isinstance(given, Arm):
+        raise ParameterError(name, given, "an Arm, or the name of a model")
+    return given
 
 
 def model_named(name: str) -> Arm | None:

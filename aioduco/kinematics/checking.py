@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from aioduco.errors import ParameterError, Unreachable
-from aioduco.kinematics.arm import Arm
-from aioduco.kinematics.catalogue import arm as _model
+from aioduco.kinematics.catalogue import arm_given
 from aioduco.kinematics.forward import singular_values
 from aioduco.models.bounds import least, most, shown
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.rules import Number
 
 if TYPE_CHECKING:
+    from aioduco.kinematics.arm import Arm
     from aioduco.models.pose import JointsLike, PoseLike
 
 
@@ -125,9 +125,7 @@ def check(
     Raises:
         ParameterError: an argument is of the wrong kind or out of range.
     """
-    model = _model(arm) if isinstance(arm, str) else arm
-    if not isinstance(model, Arm):
-        raise ParameterError("arm", arm, "an Arm, or the name of a model")
+    model = arm_given("arm", arm)
     singular = Number(0.0, 1.0, source="this package")("singular", singular)
     most_turn = _MOST_TURN("most_turn", most_turn)
     named = _named(points)

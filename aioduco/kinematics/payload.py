@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from aioduco.errors import CalibrationError, ParameterError
-from aioduco.kinematics.arm import Arm
-from aioduco.kinematics.catalogue import arm as _model
+from aioduco.kinematics.catalogue import arm_given
 from aioduco.kinematics.measured import bound, rigid_frames
 from aioduco.kinematics.mounting import GRAVITY
 from aioduco.models.load import Load
@@ -23,6 +22,7 @@ from aioduco.models.rules import Number, Vector
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from aioduco.kinematics.arm import Arm
     from aioduco.models.pose import JointsLike, PoseLike
     from aioduco.models.rotation import Array
     from aioduco.models.rules import VectorLike
@@ -135,9 +135,7 @@ def identify_load_by_torques(
     down = _acceleration(gravity)
     if known is not None and not isinstance(known, Load):
         raise ParameterError("known", known, "a Load, or None")
-    model = _model(arm) if isinstance(arm, str) else arm
-    if not isinstance(model, Arm):
-        raise ParameterError("arm", arm, "an Arm, or the name of a model")
+    model = arm_given("arm", arm)
     moves = np.swapaxes(model.jacobian(q), 1, 2)
     turns = model.fkine(q)[:, :3, :3]
     levers = -_crossing(down) @ turns

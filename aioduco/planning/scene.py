@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import copy
 import dataclasses
+import itertools
 import threading
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from aioduco.errors import MissingExtra, ParameterError, SceneError
-from aioduco.kinematics import arm as arm_of
+from aioduco.kinematics.catalogue import arm_given
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.ranges import JOINTS
 from aioduco.models.rules import Number
@@ -72,7 +74,7 @@ class Scene:
         pedestal: float = 0.0,
         padding: float = 0.005,
     ) -> None:
-        self.arm: Arm = arm_of(model) if isinstance(model, str) else model
+        self.arm: Arm = arm_given("model", model)
         self.mounting: Pose = mounting_of(mounting, self.arm, pedestal)
         self.padding: float = _PADDING("padding", padding)
         self._pedestal = pedestal > 0.0
@@ -87,6 +89,8 @@ class Scene:
         self._revision = 0
         #: the execution of a plan reads the scene in another thread
         self._lock = threading.RLock()
+        if isinstance(things, Thing) or not isinstance(things, Iterable):
+            raise SceneError(f"{things!r} is no list of things")
         self.add(*things)
 
     @classmethod
@@ -155,10 +159,13 @@ class Scene:
             SceneError: there is a thing of this name already, or an argument is not a thing.
         """
         named = dict(self._things)
+        taken = {*named, *(thing.name for thing in things if isinstance(thing, Thing))}
         for thing in things:
             if not isinstance(thing, Thing):
                 raise SceneError(f"{thing!r} is no thing: give boxes, meshes, point clouds, …")
-            name = thing.name or f"thing{len(named) + 1}"
+            numbers = map("thing{}".format, itertools.count(len(named) + 1))
+            name = thing.name or next(each for each in numbers if each not in taken)
+            taken.add(name)
             if name in named:
                 raise SceneError(f"there is a thing called {name!r} already; nothing was added")
             named[name] = dataclasses.replace(thing, name=name)
@@ -189,7 +196,7 @@ class Scene:
         Raises:
             SceneError: there is no thing of this name.
         """
-        moved = dataclasses.replace(self._known(name), at=tuple(at))
+        moved = dataclasses.replace(self._known(name), at=at)
         with self._lock:
             self._things[name] = moved
             self._attached.pop(name, None)

@@ -88,6 +88,7 @@ class Thing(ABC):
 
     def __post_init__(self) -> None:
         _pose(self.at)
+        object.__setattr__(self, "at", tuple(map(float, self.at)))  # not the caller's own list
         stored(self, mass=_MASS)
         OWN_NAME_OR_NONE("name", self.name)
         object.__setattr__(self, "colour", tuple(_COLOUR("colour", self.colour)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -226,4 +227,35 @@ def test_what_is_given_wrongly_is_refused() -> None:
         Mesh(file="nowhere.stl")
     with pytest.raises(SceneError, match="no thing"):
         Scene("gcr5_910", ["box"])  # type: ignore[list-item] # what a user may give
+    with pytest.raises(SceneError, match="no list of things"):
+        Scene("gcr5_910", Box())  # type: ignore[arg-type] # what a user may give
+    for model in (5, "gcr5_911"):
+        with pytest.raises(ParameterError, match="model"):
+            Scene(model)  # type: ignore[arg-type] # what a user may give
     assert arm_of("gcr5_910") is Scene("gcr5_910").arm
+
+
+def test_a_thing_without_a_name_gets_one_that_is_free() -> None:
+    scene = Scene("gcr5_910", [Box(), Box(name="thing3"), Box()])
+    assert [thing.name for thing in scene] == ["thing1", "thing3", "thing4"]
+    scene.remove("thing1")
+    scene.add(Box(), Box())
+    assert [thing.name for thing in scene] == ["thing3", "thing4", "thing5", "thing6"]
+
+
+def test_a_thing_keeps_its_place_whatever_becomes_of_the_callers_list() -> None:
+    at = [0.5, 0.0, 0.2]
+    box = Box(at=at, name="box")
+    scene = Scene("gcr5_910", [box])
+    at[0] = 9.0
+    assert scene["box"].at == box.at == (0.5, 0.0, 0.2)
+    assert box == Box(at=np.array([0.5, 0.0, 0.2]), name="box")  # type: ignore[arg-type]
+    assert hash(box) == hash(Box(at=(0.5, 0.0, 0.2), name="box"))
+
+
+@pytest.mark.parametrize("at", [5, {1.0, 2.0, 3.0}, "123", None])
+def test_a_thing_is_moved_to_no_place_that_is_none(at: Any) -> None:
+    scene = Scene("gcr5_910", [Box(name="box")])
+    with pytest.raises(ParameterError, match="at"):
+        scene.move("box", at)
+    assert scene.revision == 1

@@ -23,9 +23,7 @@ from aioduco.errors import (
     PathRefused,
     UnknownFunction,
 )
-from aioduco.kinematics import Arm
-from aioduco.kinematics import arm as arm_of
-from aioduco.kinematics.catalogue import model_named, same_arm
+from aioduco.kinematics.catalogue import arm_given, model_named, same_arm
 from aioduco.models.ranges import JOINT_SPEED
 from aioduco.models.rules import Number
 from aioduco.recording.playback.path_check import (
@@ -44,6 +42,7 @@ if TYPE_CHECKING:
 
     from aioduco.api.version import RobotType
     from aioduco.envelope import Envelope
+    from aioduco.kinematics import Arm
     from aioduco.recording.playback.recorded_path import RecordedOutput
     from aioduco.recording.playback.waypoints import Waypoint
     from aioduco.robot import Robot
@@ -148,7 +147,7 @@ async def check_path_on(
     if told and path.arm and told != path.arm:
         text = f"the recorded one is a {path.arm}, this one a {told}"
         found += (PathFinding("arm", path.begin, text),)
-    kind = arm_of(arm) if isinstance(arm, str) else arm or there
+    kind = there if arm is None else arm_given("arm", arm)
     if kind is None:
         raise ParameterError("arm", told or None, "given: the controller does not tell a known one")
     limits = envelope or robot.envelope
@@ -337,7 +336,7 @@ async def check_waypoints_on(
     found = []
     if told and waypoints.arm and not same_arm(told, waypoints.arm):
         found.append(f"the waypoints are those of a {waypoints.arm}, this is a {told}")
-    kind = arm_of(arm) if isinstance(arm, str) else arm or there
+    kind = there if arm is None else arm_given("arm", arm)
     limits = envelope or robot.envelope
     tool = [0.0] * 6 if limits is None else list(await robot.frames.get_tcp_offset())
     if kind is not None:
