@@ -23,6 +23,9 @@ of a planning pipeline differently."""
 
 _SEGMENT = 0.005  # fraction of the joint space's extent that is checked as one point
 
+#: words that YAML 1.1 takes for truth values, and for nothing
+_NO_TEXTS = frozenset({"y", "yes", "n", "no", "true", "false", "on", "off", "null"})
+
 
 def moveit_files(
     name: str,
@@ -131,7 +134,8 @@ def _controllers(trees: Sequence[ArmTree]) -> dict[str, Any]:
 def _yaml(values: Mapping[str, Any], indent: str = "") -> str:
     """Write nested mappings, lists of words, and scalars. ROS distinguishes 1.0 from 1."""
     lines = []
-    for key, value in values.items():
+    for name, value in values.items():
+        key = _scalar(name)
         if isinstance(value, dict):
             lines.append(f"{indent}{key}:\n{_yaml(value, indent + '  ')}")
         elif isinstance(value, list):
@@ -144,7 +148,7 @@ def _yaml(values: Mapping[str, Any], indent: str = "") -> str:
 
 def _item(value: Any, indent: str) -> str:
     """Write an element of a list: a word, or a mapping."""
-    return _yaml(value, indent).strip() if isinstance(value, dict) else str(value)
+    return _yaml(value, indent).strip() if isinstance(value, dict) else _scalar(value)
 
 
 def _scalar(value: Any) -> str:
@@ -152,7 +156,8 @@ def _scalar(value: Any) -> str:
     if isinstance(value, bool):
         return str(value).lower()
     if not isinstance(value, float):
-        return str(value)
+        # a group may be called "on", which is true without quotes
+        return f'"{value}"' if str(value).lower() in _NO_TEXTS else str(value)
     if not math.isfinite(value):
         return f"{value}".replace("inf", ".inf").replace("nan", ".nan")
     text = repr(float(value))

@@ -172,7 +172,7 @@ def _take(arms: tuple[ArmLike, ...], name: str | None) -> tuple[str, list[ArmTre
     if len(set(prefixes)) < len(prefixes):
         raise ParameterError("prefix", prefixes, "a different one for each arm")
     whole = "_".join(arm.arm.name for arm in described) if name is None else name
-    if not WORD.fullmatch(whole):
+    if not isinstance(whole, str) or not WORD.fullmatch(whole):
         raise ParameterError("name", whole, "a word of letters, digits and _")
     return whole, [arm.tree() for arm in described]
 

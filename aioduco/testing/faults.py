@@ -17,8 +17,9 @@ from typing import Final
 
 from aioduco._process.copying import Uncopied
 from aioduco._wire.messages import Message, MessageType, application_error
+from aioduco.errors import ParameterError
 from aioduco.models import ranges
-from aioduco.models.rules import stored
+from aioduco.models.rules import Integer, Number, stored
 
 __all__ = [
     "ApplicationError",
@@ -42,6 +43,11 @@ __all__ = [
     "WrongSeqid",
     "rewritten",
 ]
+
+
+_SEQID_RANGE: Final = 1 << 32
+_SHARE: Final = Number(0.0, 1.0, source="this package")
+_TIMES: Final = Integer(0, 2**31 - 1, source="this package")
 
 
 class Ending(enum.Enum):
@@ -83,6 +89,9 @@ class Delay:
     request: float = 0.0
     reply: float = 0.0
     jitter: float = 0.0
+
+    def __post_init__(self) -> None:
+        stored(self, request=ranges.WAIT, reply=ranges.WAIT, jitter=ranges.WAIT)
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,6 +157,13 @@ class Cut:
     how: Ending = Ending.RESET
     fraction: float = 0.5
 
+    def __post_init__(self) -> None:
+        stored(self, fraction=_SHARE)
+        if not isinstance(self.at, Place):
+            raise ParameterError("at", self.at, "a Place")
+        if not isinstance(self.how, Ending):
+            raise ParameterError("how", self.how, "an Ending")
+
 
 @dataclass(frozen=True, slots=True)
 class RepeatReply:
@@ -158,6 +174,9 @@ class RepeatReply:
     """
 
     times: int = 1
+
+    def __post_init__(self) -> None:
+        stored(self, times=_TIMES)
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,6 +201,9 @@ class WrongSeqid:
     """
 
     offset: int = -1
+
+    def __post_init__(self) -> None:
+        stored(self, offset=Integer(1 - _SEQID_RANGE, _SEQID_RANGE - 1, source="this package"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -214,6 +236,9 @@ class ApplicationError:
     message: str = "internal error"
     forward: bool = False
 
+    def __post_init__(self) -> None:
+        stored(self, code=ranges.INT_32, message=ranges.TEXT, forward=ranges.FLAG)
+
 
 Fault = (
     Delay
@@ -234,7 +259,11 @@ Fault = (
 #: Returns the fault for the n-th call since the plan was set, from n and the call's method.
 Plan = Callable[[int, str], Fault | None]
 
-_SEQID_RANGE: Final = 1 << 32
+
+def _fault(given: object) -> Fault:
+    if not isinstance(given, Fault):
+        raise ParameterError("fault", given, "a fault, such as Delay(0.1)")
+    return given
 
 
 def rewritten(fault: Fault | None, reply: Message) -> bytes:
@@ -280,10 +309,15 @@ class Chaos:
             seed: any number.
             menu: faults to draw from, each equally often.
             rate: share of the calls that get a fault, 0 to 1.
+
+        Raises:
+            ParameterError: the menu has no fault, or something else; or the rate is out of range.
         """
+        if not isinstance(menu, Sequence) or not menu:
+            raise ParameterError("menu", menu, "a list with a fault or more")
         self.seed = seed
-        self._menu = tuple(menu)
-        self._rate = rate
+        self._menu = tuple(map(_fault, menu))
+        self._rate = _SHARE("rate", rate)
 
     def __call__(self, index: int, method: str) -> Fault | None:  # noqa: ARG002 - a Plan
         """Draw the fault for the call with this number; None for no fault."""
@@ -324,8 +358,9 @@ class Script(Uncopied):
 
     def next(self, *faults: Fault) -> None:
         """Apply these faults to the next calls, one to each, whatever their methods are."""
+        checked = [*map(_fault, faults)]
         with self._lock:
-            self._queue.extend(faults)
+            self._queue.extend(checked)
 
     def on(self, method: str, fault: Fault, *, times: int | None = 1, skip: int = 0) -> None:
         """Apply a fault to calls of one method.
@@ -336,8 +371,11 @@ class Script(Uncopied):
             times: number of calls to which it is applied; None for all.
             skip: number of calls of the method that pass unchanged before.
         """
+        rule = _Rule(
+            _fault(fault), _TIMES("skip", skip), None if times is None else _TIMES("times", times)
+        )
         with self._lock:
-            self._rules.setdefault(method, []).append(_Rule(fault, skip, times))
+            self._rules.setdefault(method, []).append(rule)
 
     def schedule(self, plan: Plan | None) -> None:
         """Let a plan decide on the calls without a fault of their own; None for no plan."""

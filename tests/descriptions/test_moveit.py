@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from aioduco import ParameterError
-from aioduco.descriptions import STATES, moveit
+from aioduco.descriptions import STATES, ArmDescription, moveit
 from aioduco.kinematics import arm, models
 
 from .test_urdf import LEFT, RIGHT
@@ -113,3 +113,12 @@ def test_files_of_moveit_1_with_names_of_another_package() -> None:
         moveit("gcr5_910", tip="link_9")
     with pytest.raises(ParameterError, match="group"):
         moveit("gcr5_910", group="a b")
+
+
+@pytest.mark.parametrize(("prefix", "group"), [("", "on"), ("", "Null"), ("y", "es"), ("n", "o")])
+def test_a_group_is_called_as_it_is_even_if_yaml_takes_the_word_for_something_else(
+    prefix: str, group: str
+) -> None:
+    texts = moveit(ArmDescription("gcr5_910", prefix=prefix), group=group)
+    assert list(yaml.safe_load(texts["kinematics.yaml"])) == [prefix + group]
+    assert prefix + group in yaml.safe_load(texts["ompl_planning.yaml"])

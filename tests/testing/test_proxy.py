@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import math
 import socket
 import threading
 import time
@@ -10,6 +11,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import anyio
 import pytest
@@ -38,6 +40,7 @@ from aioduco.testing import (
     eventually,
     no_leaks,
 )
+from aioduco.testing.faults import Script
 
 from .echo import EchoServer, call, replies
 
@@ -467,3 +470,21 @@ def test_a_fault_of_a_function_that_no_controller_has_is_refused(proxy: FaultPro
     for wrong in ("cut", Cut, None):
         with pytest.raises(ParameterError, match="a fault, such as Cut"):
             proxy.on("movej2", wrong)  # type: ignore[arg-type]  # the wrong type is the point
+
+
+#: what is called, and with which arguments
+WRONG: list[tuple[Any, ...]] = [
+    *((Delay, math.nan), (Delay, 0.0, -1.0), (Delay, "0.1"), (Throttle, 0.0)),
+    *((Cut, "before the reply"), (Cut, Place.IN_REPLY, "reset")),
+    *((Cut, Place.IN_REPLY, Ending.RESET, math.nan), (RepeatReply, -1), (WrongSeqid, 1 << 32)),
+    *((ApplicationError, "6"), (Chaos, 1, []), (Chaos, 1, Delay(0.1)), (Chaos, 1, [Cut])),
+    *((partial(Chaos, rate=math.nan), 1, [Delay(0.1)]), (Script().next, "cut")),
+    *((Script().on, "stop", Cut), (partial(Script().on, skip=-1), "stop", DropReply())),
+]
+
+
+@pytest.mark.parametrize("wrong", WRONG)
+def test_a_fault_that_would_do_nothing_is_refused(wrong: tuple[Any, ...]) -> None:
+    make, *arguments = wrong
+    with pytest.raises(ParameterError):
+        make(*arguments)
