@@ -75,6 +75,7 @@ ABOVE = Number(0.0, open_low=True, source="this package")
 LISTEN_HOST = Text(min_bytes=1, max_bytes=253, source="this package")
 LISTEN_HOST.expected = 'an address of this computer, such as "127.0.0.1"'
 FILE = FileName(source="this package")
+FOLDER = FileName(folder=True, source="this package")
 #: the same, or 0
 FROM_0 = Number(0.0, source="this package")
 #: TCP port of a server

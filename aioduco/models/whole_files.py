@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import threading
 from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, TYPE_CHECKING
@@ -29,7 +30,10 @@ def whole_file(
         OSError: it cannot be written; an existing one stays unchanged. The error names the file.
     """
     target = Path(os.path.realpath(path))
-    part = target.with_name(f".{target.name}.{os.getpid()}")
+    # one for each thread: two may write the same file. The name of the file itself may be the
+    # longest that there is
+    beside = f".{target.name[:40]}.{os.getpid()}.{threading.get_ident():x}"
+    part = target.with_name(beside)
     try:
         if target.exists() and not target.is_file():
             with target.open("wb") as file:

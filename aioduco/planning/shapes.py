@@ -9,6 +9,7 @@ from xml.etree import ElementTree as ET
 
 from aioduco.errors import ParameterError, SceneError
 from aioduco.models.numpy_on_use import number_array
+from aioduco.models.ranges import FILE
 from aioduco.sim.scene import Thing
 
 if TYPE_CHECKING:
@@ -53,10 +54,13 @@ class Mesh(Thing):
         Thing.__post_init__(self)
         if (self.file is None) == (self.vertices is None):
             raise ParameterError("file", self.file, "given, or else vertices, and not both")
-        if self.file is not None and not Path(self.file).is_file():
-            raise SceneError(f"the mesh's file {self.file} does not exist")
+        if self.file is not None:
+            file = FILE("file", self.file).absolute()
+            if not file.is_file():
+                raise SceneError(f"the mesh's file {self.file} does not exist")
+            object.__setattr__(self, "file", file)
         if self.vertices is not None:
-            _points("vertices", self.vertices, least=4)
+            object.__setattr__(self, "vertices", _points("vertices", self.vertices, least=4))
 
     def assets(self) -> list[ET.Element]:
         """The elements of MJCF for the mesh outside of the world."""
@@ -96,7 +100,7 @@ class PointCloud(Thing):
 
     def __post_init__(self) -> None:
         Thing.__post_init__(self)
-        _points("points", self.points, least=1)
+        object.__setattr__(self, "points", _points("points", self.points, least=1))
 
     def _shapes(self, body: ET.Element) -> None:
         for point in _points("points", self.points, least=1).tolist():

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import json
 import math
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
 from aioduco.errors import MissingExtra, ParameterError, RecordingError
-from aioduco.models.ranges import FILE
+from aioduco.models.ranges import FILE, FOLDER
 from aioduco.recording.container import McapFile
 from aioduco.recording.protobuf import DECODERS
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Iterator, Mapping, Sequence
+    from pathlib import Path
 
     from numpy.typing import NDArray
 
@@ -159,7 +159,7 @@ class RecordedRun:
             ParameterError: there is no such channel in this recording.
             RecordingError: its messages are of a kind that is not known, or one is damaged.
         """
-        if topic not in self._messages:
+        if not isinstance(topic, str) or topic not in self._messages:
             there = ", ".join(self.topics) or "none"
             raise ParameterError("topic", topic, f"a channel of this recording: {there}")
         messages = self._messages[topic]
@@ -180,10 +180,15 @@ class RecordedRun:
 
         Returns:
             The files.
+
+        Raises:
+            ParameterError: the folder is not the name of one.
+            RecordingError: a message is damaged, or a file cannot be written.
         """
         from aioduco.recording.tables import write_csv  # noqa: PLC0415 - loaded when it is used
 
-        return write_csv(self._channels(), Path(folder))
+        with _written(folder) as target:
+            return write_csv(self._channels(), target)
 
     def to_parquet(self, folder: str | os.PathLike[str]) -> list[Path]:
         """Write each channel as a Parquet file, with a column for each number. Needs pyarrow.
@@ -195,11 +200,14 @@ class RecordedRun:
             The files.
 
         Raises:
+            ParameterError: the folder is not the name of one.
+            RecordingError: a message is damaged, or a file cannot be written.
             MissingExtra: the extra `parquet` is not installed.
         """
         from aioduco.recording.tables import write_parquet  # noqa: PLC0415 - loaded when it is used
 
-        return write_parquet(self._channels(), self.metadata, Path(folder))
+        with _written(folder) as target:
+            return write_parquet(self._channels(), self.metadata, target)
 
     def _channels(self) -> Iterator[tuple[str, dict[str, NDArray[Any]]]]:
         return ((topic, self.arrays(topic)) for topic in self.topics)
@@ -217,12 +225,13 @@ class RecordedRun:
             The file.
 
         Raises:
+            ParameterError: the path is not the name of a file.
             RecordingError: the file exists, or cannot be written.
             MissingExtra: the extra `record` is not installed.
         """
         with MissingExtra.named("an index", "record"):
             from aioduco.recording.channels import write_indexed  # noqa: PLC0415 - an extra
-        target = Path(path)
+        target = FILE("path", path)
         messages = [message for each in self._messages.values() for message in each]
         messages.sort(key=lambda message: message.time_ns)
         try:
@@ -230,6 +239,17 @@ class RecordedRun:
         except OSError as exc:
             raise RecordingError(f"{target} cannot be written: {exc}") from exc
         return target
+
+
+@contextmanager
+def _written(folder: str | os.PathLike[str]) -> Iterator[Path]:
+    """The folder of tables, which is made; what cannot be written is a `RecordingError`."""
+    target = FOLDER("folder", folder)
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+        yield target
+    except OSError as exc:
+        raise RecordingError(f"{exc.filename or target} cannot be written: {exc}") from exc
 
 
 def _decoded(message: McapMessage) -> dict[str, Any]:

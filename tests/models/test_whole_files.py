@@ -6,6 +6,7 @@ import errno
 import os
 import subprocess
 import sys
+import threading
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
@@ -103,3 +104,32 @@ if __name__ == "__main__":
         WRITERS[os.path.basename(sys.argv[1])](Path(sys.argv[1]))  # noqa: PTH119 - a text
     except OSError:
         sys.stdout.write("refused\n")
+
+
+def test_a_file_with_the_longest_name_is_written(tmp_path: Path) -> None:
+    for name in ("a" * 255, "部" * 85):
+        write_whole(tmp_path / name, "new")
+        assert (tmp_path / name).read_text() == "new"
+
+
+def test_two_threads_that_write_one_file_do_not_mix(tmp_path: Path) -> None:
+    path, opened, written = tmp_path / "file", threading.Event(), threading.Event()
+
+    def slow() -> None:
+        with whole_file(path) as file:
+            file.write(b"slow" * 10)
+            file.flush()
+            opened.set()
+            written.wait(60.0)
+
+    thread = threading.Thread(target=slow)
+    thread.start()
+    try:
+        assert opened.wait(60.0)
+        write_whole(path, "quick")
+        assert path.read_text() == "quick"
+    finally:
+        written.set()
+        thread.join()
+    assert path.read_text() == "slow" * 10
+    assert [*tmp_path.iterdir()] == [path]

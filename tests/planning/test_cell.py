@@ -14,7 +14,9 @@ import aioduco.sync
 from aioduco import Cell, CellFileError, Joints, Pose
 from aioduco.devices.grippers import DigitalGripper
 from aioduco.envelope import ToolSpeed, Zone
+from aioduco.integrations.fleet import FleetSettings
 from aioduco.models.load import Load
+from aioduco.planning import Mesh
 from aioduco.recording.playback import WaypointFile
 from aioduco.sim import Simulator
 from aioduco.sim.scene import Box, Rod
@@ -308,3 +310,23 @@ def test_a_copy_is_equal_and_other_text_is_not() -> None:
         assert other == cell()
         assert dict(other) == dict(cell())
     assert Cell(TEXT.replace("192.0.2.1", "192.0.2.9")) != cell()
+
+
+def test_a_file_that_was_read_by_a_relative_name_stays_that_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A program may change its working directory in between."""
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "cell.toml").write_text(TEXT)
+    (tmp_path / "fleet.toml").write_text('[fleet]\nname = "hall"\nkeys = "keys.toml"\n')
+    (tmp_path / "part.stl").write_text("solid\nendsolid\n")
+    monkeypatch.chdir(tmp_path)
+    found, part = Cell.load("cell.toml"), Mesh(file="part.stl")
+    fleet = FleetSettings.read("fleet.toml")
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    found.teach("new", Joints.deg(1, 2, 3, 4, 5, 6))
+    found.save()
+    assert not [*(tmp_path / "elsewhere").iterdir()]
+    assert "new" in Cell.load(tmp_path / "cell.toml")
+    assert part.assets()[0].get("file") == str(tmp_path / "part.stl")
+    assert fleet.keys == str(tmp_path / "keys.toml")

@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from aioduco.errors import DucoError, RecordingError
+from aioduco.errors import DucoError, ParameterError, RecordingError
 from aioduco.recording import read
 from aioduco.recording.container import MAGIC
 from aioduco.recording.figures import draw_page
@@ -185,3 +185,32 @@ def test_what_is_recorded_is_readable_by_its_owner_alone(tmp_path: Path) -> None
     run: Any = read(path)
     written = [run.to_mcap(tmp_path / "indexed.mcap"), *run.to_csv(tmp_path / "csv")]
     assert [rights(each) for each in written] == [0o600] * len(written)
+
+
+def test_each_channel_has_a_table_of_its_own(tmp_path: Path) -> None:
+    """Two topics had one file, of which the later one was left; long names had none."""
+    topics = ["/a/b", "/a_b", "a_b", "/A_b", "/" + "部件" * 90]
+    channels = b"".join(channel(number, topic) for number, topic in enumerate(topics, 1))
+    said = b"".join(message(number, b'{"n": %d}' % number) for number in range(1, 6))
+    path = tmp_path / "run.mcap"
+    path.write_bytes(HEAD + chunk(channels + said) + END)
+    files = read(path).to_csv(tmp_path / "csv")
+    assert len({file.name.casefold() for file in files}) == 5
+    assert sorted(file.read_text().splitlines()[1][-1] for file in files) == list("12345")
+
+
+def test_tables_in_the_place_of_a_file_are_a_typed_error(tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    path.write_bytes(HEAD + of_json("/x", b'{"n": 1}') + END)
+    run = read(path)
+    for write in (run.to_csv, run.to_parquet):
+        with pytest.raises(RecordingError, match="cannot be written"):
+            write(path)
+        with pytest.raises(ParameterError, match="folder"):
+            write(None)  # type: ignore[arg-type]
+    with contextlib.chdir(tmp_path):
+        assert run.to_csv(".") == [Path("x.csv")]
+    with pytest.raises(ParameterError, match="path"):
+        run.to_mcap(5)  # type: ignore[arg-type]
+    with pytest.raises(ParameterError, match="topic"):
+        run.arrays(["/x"])  # type: ignore[arg-type]

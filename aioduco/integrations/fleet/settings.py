@@ -137,7 +137,7 @@ class FleetSettings:
         except ValueError as error:
             raise FleetFileError(f"{path}: {error}") from error
         read = cls.of(table)
-        folder = Path(path).parent
+        folder = Path(path).absolute().parent
         return replace(
             read,
             zenoh=read.zenoh and str(folder / read.zenoh),

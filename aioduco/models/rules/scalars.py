@@ -284,19 +284,28 @@ def _is_line(text: str) -> bool:
 
 
 class FileName(Rule):
-    """The name of a file, as a text or a path."""
+    """The name of a file, as a text or a path.
 
-    __slots__ = ()
+    Attributes:
+        folder: whether it is that of a folder, which may be "." or "/".
+    """
 
-    def __init__(self, *, source: str) -> None:
+    __slots__ = ("folder",)
+
+    def __init__(self, *, folder: bool = False, source: str) -> None:
+        self.folder: bool = folder
         self.source = source
-        self.expected = "the name of a file"
+        self.expected = f"the name of a {'folder' if folder else 'file'}"
 
     def __call__(self, name: str, value: str | os.PathLike[str]) -> Path:
         """Check `value` and return it as a path."""
         try:
             text = os.fspath(value)
-            if isinstance(text, str) and b"\0" not in os.fsencode(text) and Path(text).name:
+            if (
+                isinstance(text, str)
+                and b"\0" not in os.fsencode(text)
+                and (Path(text).name or (self.folder and text))
+            ):
                 return Path(text)
         except (TypeError, UnicodeEncodeError):  # no path; half of a surrogate pair
             pass

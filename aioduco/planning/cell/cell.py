@@ -75,12 +75,14 @@ class Cell(Mapping[str, Point]):
 
     def __init__(self, text: str, path: str | os.PathLike[str] = "cell.toml") -> None:
         self.path = Path(path)
+        # what is saved later goes there, even if the working directory is another one then
+        self._file = self.path.absolute()
         self._take(text)
 
     def _take(self, text: str) -> None:
         """Read everything, or nothing."""
         try:
-            found = _contents(parse_toml(text), self.path.parent)
+            found = _contents(parse_toml(text), self._file.parent)
             waypoints = WaypointFile(text, str(self.path), beside=_OWN)
         except WrongField as error:
             where = ".".join(map(_shown, error.place))
@@ -194,7 +196,7 @@ class Cell(Mapping[str, Point]):
         Raises:
             CellFileError: it cannot be written; an existing one stays unchanged.
         """
-        target = self.path if path is None else path
+        target = self._file if path is None else path
         try:
             rewrite(target, self.text)
         except OSError as error:

@@ -19,7 +19,7 @@ from aioduco._process.linked_process import LinkedProcess
 from aioduco._process.spawn import MUJOCO_PACKAGES, Unstartable, is_frozen
 from aioduco.errors import DucoError
 from aioduco.kinematics import arm as arm_of
-from aioduco.models.ranges import FILE, FINITE, FLAG, JOINTS, TEXTS, TIMEOUT
+from aioduco.models.ranges import FINITE, FLAG, FOLDER, JOINTS, TEXTS, TIMEOUT
 from aioduco.models.rules import Integer, stored
 from aioduco.sim.physics.world import World
 from aioduco.sim.scene import mjcf_of, mounting_of
@@ -95,7 +95,7 @@ class PreflightSettings:
         if self.joints is not None:
             object.__setattr__(self, "joints", tuple(JOINTS("joints", self.joints)))
         if self.cwd is not None:
-            object.__setattr__(self, "cwd", str(FILE("cwd", self.cwd)))
+            object.__setattr__(self, "cwd", str(FOLDER("cwd", self.cwd)))
 
     def plain(self) -> dict[str, Any]:
         """The settings as values for JSON, with scenes as text."""
