@@ -778,8 +778,12 @@ class Robot(Uncopied, ManualNames, MisspeltRefused):
         self._supervisor.check_usable("stop")
         self._supervisor.stop_coordinator.stop_now(SECONDS("timeout", timeout))
 
-    async def pause(self) -> None:
+    async def pause(self) -> bool:
         """Pause all tasks (暂停所有任务), and wait until the arm stands.
+
+        Returns:
+            Whether anything is paused, as far as the controller says it. If not, the next motion
+            of any program is carried out at once.
 
         Raises:
             TaskError: the controller did not pause.
@@ -788,7 +792,7 @@ class Robot(Uncopied, ManualNames, MisspeltRefused):
         Manual section 1.3.3.
         """
         self._supervisor.check_open("pause")
-        await self._supervisor.stop_coordinator.pause()
+        return await self._supervisor.stop_coordinator.pause()
 
     async def resume(self) -> bool:
         """Resume all paused tasks (恢复所有暂停的任务).

@@ -284,6 +284,9 @@ def test_who_stops_pauses_and_resumes_leaves_the_supervision_to_the_program() ->
         assert sim.view.program is ProgramState.STOPPED
         again = run("resume", at(sim), "--yes")
         assert (again.exit_code, "nothing was paused" in again.stderr) == (1, True)
+        again = run("pause", at(sim))
+        assert (again.exit_code, again.stdout) == (1, "")
+        assert "nothing was paused: the arm stands, and may be moved" in again.stderr
         again = run("resume", at(sim), "--yes", "--json")
         assert (again.exit_code, json.loads(again.stdout)["program"]) == (1, "STOPPED")
 

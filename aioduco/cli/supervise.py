@@ -94,16 +94,18 @@ def pause(host: Host = None, port: Port = None, cell: CellFile = None, json: Jso
 
     aioduco pause left
 
-    Exit codes: as of stop.
+    Exit codes: as of stop; 1 also if there was nothing to pause.
     """
     address = robot_at(host, port, cell)
     with observing_session(address) as robot:
-        robot.pause()
+        paused = robot.pause()
         states = robot.state.get_robot_state()
     if json:
         print_json(states)
-    else:
+    elif paused:
         say(f"{address}: paused: the arm stands; {states}")
+    if not paused:
+        fail(f"{address}: nothing was paused: the arm stands, and may be moved; {states}")
 
 
 def resume(

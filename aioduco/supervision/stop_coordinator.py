@@ -579,8 +579,12 @@ class StopCoordinator:
             _log.warning("%s had no effect, so the arm is stopped: %s", name, exc)
             await self.halt()
 
-    async def pause(self) -> None:
-        """Pause all tasks, and wait until the arm stands."""
+    async def pause(self) -> bool:
+        """Pause all tasks, and wait until the arm stands.
+
+        Returns:
+            Whether anything is paused, as far as that is known.
+        """
         with self.gate.stop(PermitEnding.PAUSED):
             if self._halt_streams():
                 # A stream follows a clock, so it cannot continue later where it was. But what it
@@ -594,6 +598,7 @@ class StopCoordinator:
             )
             await self._controlled("pause")
             await self.standstill()
+        return await self._paused()
 
     async def resume(self) -> bool:
         """Resume all paused tasks; if this fails or is cancelled, the arm is stopped.

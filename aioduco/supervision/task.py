@@ -57,8 +57,8 @@ class TaskControl(Protocol):
         """As `halt`, to its end even if cancelled; then wait until the motions have ended."""
         ...
 
-    async def pause(self) -> None:
-        """Pause all tasks."""
+    async def pause(self) -> bool:
+        """Pause all tasks; return whether anything is paused."""
         ...
 
     async def resume(self) -> bool:

@@ -6441,8 +6441,12 @@ class Robot(RobotLifecycle, ManualNames):
         """
         self._made.stop_now(timeout)
 
-    def pause(self) -> None:
+    def pause(self) -> bool:
         """Pause all tasks (暂停所有任务), and wait until the arm stands.
+
+        Returns:
+            Whether anything is paused, as far as the controller says it. If not, the next motion
+            of any program is carried out at once.
 
         Raises:
             TaskError: the controller did not pause.
@@ -6450,7 +6454,7 @@ class Robot(RobotLifecycle, ManualNames):
 
         Manual section 1.3.3.
         """
-        self._call(self._made.pause())
+        return self._call(self._made.pause())
 
     def resume(self) -> bool:
         """Resume all paused tasks (恢复所有暂停的任务).

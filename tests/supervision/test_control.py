@@ -167,18 +167,22 @@ async def test_pause_waits_for_standstill_and_resume_goes_on(
 ) -> None:
     task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
     await eventually_async(bench.moving)
-    await robot.pause()
+    assert await robot.pause() is True
     assert not bench.moving()
     assert await robot.resume() is True
     assert await task is Outcome.FINISHED
 
 
-async def test_resume_says_whether_anything_was_paused(robot: aioduco.Robot, bench: Bench) -> None:
-    assert await robot.resume() is False
-    assert len(bench.received("resume")) == 1  # it is sent in any case
+@pytest.mark.parametrize("name", ["pause", "resume"])
+async def test_pause_and_resume_say_whether_anything_was_paused(
+    robot: aioduco.Robot, bench: Bench, name: str
+) -> None:
+    call = getattr(robot, name)
+    assert await call() is False
+    assert len(bench.received(name)) == 1  # it is sent in any case
     for state in (aioduco.ProgramState.PAUSED, aioduco.ProgramState.PAUSING):
         bench.states[1] = int(state)  # of another program
-        assert await robot.resume() is True
+        assert await call() is True
 
 
 async def test_abort_ends_the_motion_and_never_passes_for_blending(

@@ -112,13 +112,17 @@ class ArmServices:
             text = "the goal is paused" if paused else "the goal has ended, or goes on again"
             return ServiceReply(paused, text)
         self._halted()
-        return await _answered(self._robot.pause(), "paused")
+        return await _answered(self._paused())
 
     async def resume(self) -> ServiceReply:
         """Go on with what was paused."""
         if self._goals.resume():
             return ServiceReply(True, "the goal goes on")
         return await _answered(self._resumed())
+
+    async def _paused(self) -> str:
+        paused = await self._robot.pause()
+        return "paused" if paused else "the arm stands; there was no motion to pause"
 
     async def _resumed(self) -> str:
         if not await self._robot.resume():

@@ -308,6 +308,9 @@ async def test_a_pause_and_its_end(node: ArmNode, sim: Simulator) -> None:
     assert replies[0].success
     again = await node.services.resume()
     assert (again.success, again.message) == (False, "nothing was paused")
+    # set-points are ignored from now on
+    again = await node.services.pause()
+    assert (again.success, again.message) == (True, "the arm stands; there was no motion to pause")
     np.testing.assert_allclose(sim.joints, way(1.0), atol=1e-3)
 
 
