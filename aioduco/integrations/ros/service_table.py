@@ -99,8 +99,11 @@ def service_table() -> Iterator[ServiceEntry]:
 
 
 def said(told: object) -> str:
-    """The text of an error or a result, with services in place of functions of the robot."""
-    return in_terms_of(_IN_PLACE_OF, str(told) or repr(told))
+    """The text of an error or a result, with services and goals in place of what Python has."""
+    text = in_terms_of(_IN_PLACE_OF, str(told) or repr(told))
+    for verb, other in (("open", "send"), ("Open", "Send")):  # a goal opens its stream itself
+        text = text.replace(f"{verb} a new stream", f"{other} a new goal")
+    return text
 
 
 def _call(function: str, *fields: str) -> Callable[[ArmServices, Any], Awaitable[ServiceReply]]:

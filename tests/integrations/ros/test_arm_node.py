@@ -224,6 +224,7 @@ async def test_a_stop_ends_a_goal_and_waits_behind_nothing(node: ArmNode, sim: S
     await eventually_async(lambda: client.done)
     assert client.told == ["accepted", "aborted"]
     assert client.code == ErrorCode.PATH_TOLERANCE_VIOLATED
+    assert client.text.endswith("Send a new goal to go on")
 
 
 @pytest.mark.slow
