@@ -680,3 +680,37 @@ def test_packages_that_only_the_arguments_of_a_program_name(
     )
     done = python("-m", "aioduco.compat", str(program), *arguments)
     assert done.stdout.strip() == "aioduco.compat", done.stderr
+
+
+@pytest.mark.cases(1)
+@pytest.mark.parametrize("name", ["cell.node", "cell.deeper", "cell"])
+def test_a_program_that_is_a_module_of_a_package(name: str, tmp_path: Path) -> None:
+    """As nodes of ROS are: such a program imports the vendor's class from its own package."""
+    own = tmp_path / "cell" / "deeper"
+    own.mkdir(parents=True)
+    (own.parent / "__init__.py").touch()
+    (own / "__init__.py").touch()
+    for file, dots in (("node.py", "."), ("__main__.py", "."), ("deeper/__main__.py", "..")):
+        (own.parent / file).write_text(
+            "import sys\n"
+            f"from {dots}DucoCobot import DucoCobot\n"
+            f"from {dots}gen_py.robot.ttypes import Op\n"
+            "from vendor_api.DucoCobot import DucoCobot as Same\n"
+            "print(DucoCobot.__module__, Same is DucoCobot, __name__, sys.argv[1:])\n",
+            encoding="utf-8",
+        )
+    done = python("-m", "aioduco.compat", "-m", name, "-m", "more", cwd=tmp_path)
+    assert done.stdout == "aioduco.compat True __main__ ['-m', 'more']\n", done.stderr
+
+
+@pytest.mark.cases(1)
+@pytest.mark.parametrize("name", ["nothing", "nothing.here", "there.not"])
+def test_a_module_that_is_not_there(name: str, tmp_path: Path) -> None:
+    (tmp_path / "there").mkdir()
+    (tmp_path / "there/__init__.py").touch()
+    done = python("-m", "aioduco.compat", "-m", name, cwd=tmp_path)
+    assert done.returncode == 1
+    assert done.stderr.startswith(f"there is no module {name}, neither in ")
+    (tmp_path / "there/__init__.py").write_text("import nothing_else", encoding="utf-8")
+    done = python("-m", "aioduco.compat", "-m", "there.not", cwd=tmp_path)
+    assert "No module named 'nothing_else'" in done.stderr

@@ -20,12 +20,13 @@ def main(arguments: list[str] | None = None) -> None:
         description="Run a program that imports the vendor's class DucoCobot, unchanged: that "
         "import, and those of gen_py and thrift, give aioduco.compat.",
     )
-    parser.add_argument("program", type=Path, help="the program's file")
+    parser.add_argument("-m", dest="module", action="store_true", help="the program is a module")
+    parser.add_argument("program", help="the program's file, or its module with -m")
     parser.add_argument("arguments", nargs=argparse.REMAINDER, help="what is handed to it")
     options = parser.parse_args(arguments)
-    if not options.program.is_file():
+    if not options.module and not Path(options.program).is_file():
         parser.error(f"{options.program} is no file")
-    run(options.program, options.arguments)
+    run(options.program, options.arguments, module=options.module)
 
 
 if __name__ == "__main__":

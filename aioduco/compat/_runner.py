@@ -14,6 +14,7 @@ import runpy
 import sys
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from aioduco import compat
@@ -22,7 +23,6 @@ from aioduco.errors import Portable
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
-    from pathlib import Path
     from types import ModuleType
 
 
@@ -206,27 +206,47 @@ def _named(sources: Iterable[str]) -> Iterator[str]:
                     yield text
 
 
-def _sources(program: Path) -> Iterator[str]:
+def _sources(file: Path) -> Iterator[str]:
     """The texts of a program and of the modules beside it."""
-    folder = program.resolve().parent
-    for path in (program, *folder.glob("*.py"), *folder.glob("*/*.py")):
+    for path in (file, *file.parent.glob("*.py"), *file.parent.glob("*/*.py")):
         try:
             yield path.read_text(encoding="utf-8-sig")
         except (OSError, UnicodeDecodeError):
             continue
 
 
-def run(program: Path, arguments: Sequence[str]) -> None:
+def run(program: str, arguments: Sequence[str], *, module: bool = False) -> None:
     """Run a program as Python would, with the vendor's modules in place of its own.
 
     Args:
-        program: the program's file.
+        program: the program's file, or the name of its module.
         arguments: the program's arguments, put into `sys.argv` behind its name.
+        module: whether it is the name of a module, which is looked for in the working directory
+            first.
+
+    Raises:
+        SystemExit: there is no such module.
     """
+    file = Path.cwd().joinpath(*program.split(".")) if module else Path(program).resolve()
     installed = importlib.util.find_spec("thrift") is not None
     vendor = VendorModules(thrift=not installed)
     sys.meta_path.insert(0, vendor)
-    sys.meta_path.append(MissingPackages(packages_around(_sources(program), arguments, vendor)))
-    sys.argv = [str(program), *arguments]
-    sys.path.insert(0, str(program.resolve().parent))
-    runpy.run_path(str(program), run_name="__main__")
+    sys.meta_path.append(MissingPackages(packages_around(_sources(file), arguments, vendor)))
+    sys.argv = [program, *arguments]
+    sys.path.insert(0, str(Path.cwd() if module else file.parent))
+    if not module:
+        runpy.run_path(program, run_name="__main__")
+    elif _is_there(program):
+        runpy.run_module(program, run_name="__main__", alter_sys=True)
+    else:
+        sys.exit(f"there is no module {program}, neither in {Path.cwd()} nor installed")
+
+
+def _is_there(module: str) -> bool:
+    """Whether there is a module of a name; imports the packages that contain it."""
+    try:
+        return importlib.util.find_spec(module) is not None
+    except ModuleNotFoundError as exc:
+        if f"{module}.".startswith(f"{exc.name}."):
+            return False  # a package that contains it is not there
+        raise

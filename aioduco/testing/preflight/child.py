@@ -94,17 +94,16 @@ class _Child:
             os.chdir(self.options["cwd"])
         sys.argv = [program, *arguments]
         try:
-            if self.options["module"]:
+            if self.options["vendor"]:
+                from aioduco.compat._runner import run  # noqa: PLC0415
+
+                run(program, arguments, module=self.options["module"])
+            elif self.options["module"]:
                 sys.path.insert(0, str(Path.cwd()))
                 runpy.run_module(program, run_name="__main__", alter_sys=True)
             else:
                 sys.path.insert(0, str(Path(program).resolve().parent))
-                if self.options["vendor"]:
-                    from aioduco.compat._runner import run  # noqa: PLC0415
-
-                    run(Path(program), arguments)
-                else:
-                    runpy.run_path(program, run_name="__main__")
+                runpy.run_path(program, run_name="__main__")
         except SystemExit as exc:
             code = exc.code if isinstance(exc.code, int) else int(exc.code is not None)
             if code:

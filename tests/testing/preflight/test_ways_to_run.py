@@ -75,6 +75,27 @@ def cell(tmp_path: Path) -> Path:
     return tmp_path
 
 
+#: a module that imports the vendor's class from its own package
+VENDORS = """import sys
+from .DucoCobot import DucoCobot
+robot = DucoCobot("192.168.1.10", 7003)
+assert robot.open() == 0
+assert robot.power_on(True) == robot.enable(True) == 4
+assert robot.movej2([0.3, 0, 1.6, 0, -1.5, 0], 1.0, 2.0, 0.0, True) == 4
+assert sys.argv[1:] == ["part"]
+robot.close()
+"""
+
+
+@pytest.mark.slow
+def test_a_module_for_the_vendors_class(cell: Path) -> None:
+    (cell / "cell/theirs.py").write_text(VENDORS)
+    status, said, result = aioduco_preflight(
+        cell, "--quiet", "--vendor", "-m", "cell.theirs", "--", "part"
+    )
+    assert (status, result.get("ok")) == (0, True), said
+
+
 @pytest.mark.slow
 def test_a_module_runs_as_python_runs_it(cell: Path) -> None:
     run = ("-m", "cell.run", "--", "part", "7")
