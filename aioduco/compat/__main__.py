@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from aioduco.compat._runner import run
+from aioduco.compat._runner import module_exists, run
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -24,6 +24,8 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("program", help="the program's file, or its module with -m")
     parser.add_argument("arguments", nargs=argparse.REMAINDER, help="what is handed to it")
     options = parser.parse_args(arguments)
+    if options.module and not module_exists(options.program):
+        parser.error(f"{options.program} is no module in {Path.cwd()}, nor an installed one")
     if not options.module and not Path(options.program).is_file():
         parser.error(f"{options.program} is no file")
     run(options.program, options.arguments, module=options.module)

@@ -13,7 +13,7 @@ import itertools
 import runpy
 import sys
 from importlib.abc import Loader, MetaPathFinder
-from importlib.machinery import ModuleSpec
+from importlib.machinery import ModuleSpec, PathFinder
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -215,6 +215,20 @@ def _sources(file: Path) -> Iterator[str]:
             continue
 
 
+def module_exists(name: str) -> bool:
+    """Return whether a module is in the working directory, or is installed; imports nothing."""
+    first, *inner = name.split(".")
+    try:
+        spec = PathFinder.find_spec(first, [str(Path.cwd())]) or importlib.util.find_spec(first)
+    except ValueError:  # an empty name
+        return False
+    for part in inner:
+        if spec is None or spec.submodule_search_locations is None:
+            return False
+        spec = PathFinder.find_spec(f"{spec.name}.{part}", spec.submodule_search_locations)
+    return spec is not None
+
+
 def run(program: str, arguments: Sequence[str], *, module: bool = False) -> None:
     """Run a program as Python would, with the vendor's modules in place of its own.
 
@@ -223,9 +237,6 @@ def run(program: str, arguments: Sequence[str], *, module: bool = False) -> None
         arguments: the program's arguments, put into `sys.argv` behind its name.
         module: whether it is the name of a module, which is looked for in the working directory
             first.
-
-    Raises:
-        SystemExit: there is no such module.
     """
     file = Path.cwd().joinpath(*program.split(".")) if module else Path(program).resolve()
     installed = importlib.util.find_spec("thrift") is not None
@@ -234,19 +245,7 @@ def run(program: str, arguments: Sequence[str], *, module: bool = False) -> None
     sys.meta_path.append(MissingPackages(packages_around(_sources(file), arguments, vendor)))
     sys.argv = [program, *arguments]
     sys.path.insert(0, str(Path.cwd() if module else file.parent))
-    if not module:
-        runpy.run_path(program, run_name="__main__")
-    elif _is_there(program):
+    if module:
         runpy.run_module(program, run_name="__main__", alter_sys=True)
     else:
-        sys.exit(f"there is no module {program}, neither in {Path.cwd()} nor installed")
-
-
-def _is_there(module: str) -> bool:
-    """Whether there is a module of a name; imports the packages that contain it."""
-    try:
-        return importlib.util.find_spec(module) is not None
-    except ModuleNotFoundError as exc:
-        if f"{module}.".startswith(f"{exc.name}."):
-            return False  # a package that contains it is not there
-        raise
+        runpy.run_path(program, run_name="__main__")
