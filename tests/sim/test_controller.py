@@ -94,7 +94,7 @@ def test_shutdown_halts_without_power(ready: Bench) -> None:
     assert ready.state[0] == 4
 
 
-@pytest.mark.slow  # with a user's times
+@pytest.mark.usefixtures("real_power")
 def test_how_long_changes_of_power_take(bench: Bench) -> None:
     times = {}
     for name in ("power_on", "enable", "disable", "power_off", "restart"):

@@ -129,7 +129,7 @@ def steady(sim: Simulator, begin: Callable[[], int], speeds: Callable[[], list[f
         return max(map(abs, speeds()))
 
 
-@pytest.mark.slow  # in the cycle of a controller
+@pytest.mark.usefixtures("real_cycle")
 def test_how_fast_a_jog_is(sim: Simulator, robot: Program) -> None:
     for kind, fastest in ((2, 0.5), (1, 0.25)):
         speeds = robot.get_target_joints_speed if kind == 2 else tip_speed(robot)
