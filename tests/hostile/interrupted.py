@@ -1,10 +1,11 @@
 """A program that is interrupted at one line of the package while it leaves its robot.
 
-    python interrupted.py HOST PORT NUMBER
+    python interrupted.py HOST PORT
 
+For each number that it reads it runs once, in a fork of itself, which has not to load the package.
 The motion is cancelled, as a first interrupt does it. From then on the lines of the package are
-counted that the main thread runs; at line NUMBER a second interrupt arrives. What the program
-writes is where that was.
+counted that the main thread runs; at the line of that number a second interrupt arrives. What the
+program writes is where that was, and how it ended.
 """
 
 from __future__ import annotations
@@ -46,7 +47,7 @@ class Interruption:
             self._left -= 1
             if self._left == 0:
                 sys.settrace(None)
-                sys.stdout.write(f"{frame.f_code.co_filename}:{frame.f_lineno}\n")
+                sys.stdout.write(f"{frame.f_code.co_filename}:{frame.f_lineno}")
                 sys.stdout.flush()
                 raise KeyboardInterrupt
         return self.trace
@@ -70,5 +71,12 @@ async def main(host: str, port: int, number: int) -> None:
 if __name__ == "__main__":
     # whoever waits in vain for this program ends it by SIGABRT, and reads where it was
     faulthandler.enable()
-    _, given_host, given_port, given_number = sys.argv
-    asyncio.run(main(given_host, int(given_port), int(given_number)))
+    _, given_host, given_port = sys.argv
+    aioduco.connect(given_host, int(given_port))  # loads what it takes
+    for line in sys.stdin:
+        child = os.fork()
+        if not child:
+            asyncio.run(main(given_host, int(given_port), int(line)))
+            sys.exit()
+        sys.stdout.write(f" {os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])}\n")
+        sys.stdout.flush()
