@@ -549,7 +549,6 @@ main(sys.argv[1:])
 
 
 @pytest.mark.slow
-@pytest.mark.cases(1)
 @pytest.mark.parametrize(
     ("lib", "runner"),
     [

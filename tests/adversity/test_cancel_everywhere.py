@@ -123,11 +123,11 @@ async def cancelled_everywhere(
 @pytest.mark.parametrize("how", ["scope", "task"])
 @pytest.mark.parametrize("again", [0, 3])
 async def test_the_arm_stands_after_a_cancellation_at_any_await(
-    sim: Simulator, how: How, again: int, thorough: bool
+    sim: Simulator, how: How, again: int
 ) -> None:
     # again: the second one comes wherever the first had led, of which many lead to the same
     step = 1 if again == 0 else 3
-    await cancelled_everywhere(sim, Program(sim, move), how, again, step if thorough else 6)
+    await cancelled_everywhere(sim, Program(sim, move), how, again, step)
 
 
 @pytest.mark.slow
@@ -152,7 +152,6 @@ async def test_whatever_the_program_does_and_however_it_is_watched(
     guard: GuardKind | None,
     on_cancel: OnCancel,
     step: int,
-    thorough: bool,
 ) -> None:
     program = Program(sim, script, guard=guard, on_cancel=on_cancel)
-    await cancelled_everywhere(sim, program, how, again, step if thorough else 2 * step)
+    await cancelled_everywhere(sim, program, how, again, step)

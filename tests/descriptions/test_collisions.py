@@ -53,8 +53,8 @@ def collisions(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("model", models())
-def test_disabled_are_those_that_never_or_always_touch(model: str, thorough: bool) -> None:
-    number = 10_000 if thorough else 1_000
+def test_disabled_are_those_that_never_or_always_touch(model: str) -> None:
+    number = 10_000
     found = collisions(unfiltered(model), configurations(number, seed=11))
     reasons = disabled(srdf(model))
     assert sum(reason == "Adjacent" for reason in reasons.values()) == 6
@@ -71,8 +71,8 @@ def test_disabled_are_those_that_never_or_always_touch(model: str, thorough: boo
 
 @pytest.mark.slow
 @pytest.mark.parametrize("model", ["gcr5_910", "gcr3_618"])
-def test_a_tool_is_kept_from_the_links_that_it_reaches(model: str, thorough: bool) -> None:
-    number = 10_000 if thorough else 1_000
+def test_a_tool_is_kept_from_the_links_that_it_reaches(model: str) -> None:
+    number = 10_000
     arm = ArmDescription(model, prefix="left_", tool=GRIPPER)
     found = collisions(unfiltered(arm), configurations(number, seed=12))
     reasons = disabled(srdf(arm))

@@ -13,7 +13,6 @@ from .shell_mutations import SHELL_MUTATIONS
 
 
 @pytest.mark.slow
-@pytest.mark.cases(2)
 @pytest.mark.parametrize("program", ALL, ids=lambda kind: kind.__name__)
 def test_the_promise_holds_in_all_runs(program: type[Program]) -> None:
     found = tried(program)

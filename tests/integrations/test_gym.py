@@ -119,7 +119,6 @@ def test_gymnasiums_own_check_passes(
 
 
 @pytest.mark.slow
-@pytest.mark.cases(1)
 @pytest.mark.parametrize("actions", ["cartesian", "joints"])
 @pytest.mark.parametrize("task", TASKS)
 def test_episodes_repeat_by_seed_and_are_the_same_over_the_wire(

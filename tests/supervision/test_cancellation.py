@@ -233,7 +233,6 @@ INTERRUPTED = """
 
 
 @pytest.mark.slow
-@pytest.mark.cases(1)
 @pytest.mark.parametrize("interrupts", [1, 2, 3])
 def test_ctrl_c_however_often_leaves_a_standing_arm(
     bench: Bench, tmp_path: Path, interrupts: int

@@ -71,7 +71,6 @@ def test_fingers_go_through_their_stroke_and_halt() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.cases(1)
 @pytest.mark.parametrize("seed", range(10))
 async def test_it_lifts_carries_and_puts_down(seed: int) -> None:
     trial = await carry(seed)

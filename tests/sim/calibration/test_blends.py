@@ -76,10 +76,8 @@ def cut(
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["joint", "line"])
 @pytest.mark.parametrize("law", [CornerLaw(), CornerLaw(0.6, 0.4), CornerLaw(1.1, 0.9)])
-def test_reach_and_share_are_found_within_their_intervals(
-    kind: str, law: CornerLaw, thorough: bool
-) -> None:
-    radii = (0.02, 0.027, 0.035) if thorough else RADII
+def test_reach_and_share_are_found_within_their_intervals(kind: str, law: CornerLaw) -> None:
+    radii = (0.02, 0.027, 0.035)
     found = estimate_blends(ARM, [cut(kind, law, radii)])
     for name in law._fields:
         value, low, high = found.values[f"{kind}_{name}"]
