@@ -11,10 +11,10 @@ from .trials import KINDS, run
 @pytest.mark.parametrize("kind", KINDS)
 async def test_the_arm_stays_within_random_zones(kind: str, thorough: bool) -> None:
     """What was told to the controller and where the arm was is judged in the trials."""
-    number = 6 if thorough else 1
-    found = await run(range(number), seed=1, kind=kind)
+    numbers = (1, 3, 5) if thorough else (0,)
+    found = await run(numbers, seed=1, kind=kind)
     assert not found.failed
-    assert found.counts[kind] == number
+    assert found.counts[kind] == len(numbers)
 
 
 @pytest.mark.slow
