@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -27,6 +29,19 @@ def tried(folder: Path, text: str) -> PreflightReport:
     path = folder / "program.py"
     path.write_text(text, encoding="utf-8")
     return preflight(path, (), PreflightSettings(timeout=110), quiet=True)
+
+
+def told(folder: Path, text: str) -> tuple[dict[str, Any], str]:
+    """What the command writes, and what it shows."""
+    path, result = folder / "program.py", folder / "result.json"
+    path.write_text(text, encoding="utf-8")
+    command = ["preflight", str(path), "--quiet", "--json", str(result)]
+    done = CliRunner().invoke(app, command, env={"COLUMNS": "160"})
+    return json.loads(result.read_text("utf-8")), done.output
+
+
+def motions_of(report: dict[str, Any]) -> list[dict[str, Any]]:
+    return [call for call in report["calls"] if call["task"] is not None and call["where"]]
 
 
 def lines_of(report: PreflightReport) -> list[tuple[int, str]]:
@@ -67,22 +82,16 @@ asyncio.run(main())
 
 
 @pytest.mark.slow
-def test_one_run_finds_all_motions_that_cannot_be_carried_out(
-    tmp_path: Path, thorough: bool
-) -> None:
-    program = tmp_path / "program.py"
-    program.write_text(MANY, encoding="utf-8")
-    report = preflight(program, (), PreflightSettings(timeout=110), quiet=True)
-    assert lines_of(report) == [(line, "unreachable") for line in (11, 13, 16, 22)]
-    assert report.status == 0
-    assert "from the last point" in report.findings[0].text
-    states = {call["where"]["line"]: call["state"] for call in report.motions}
+def test_one_run_finds_all_motions_that_cannot_be_carried_out(tmp_path: Path) -> None:
+    report, shown = told(tmp_path, MANY)
+    found = [(each["line"], each["kind"]) for each in report["findings"]]
+    assert found == [(line, "unreachable") for line in (11, 13, 16, 22)]
+    assert report["status"] == 0
+    assert "from the last point" in report["findings"][0]["text"]
+    states = {call["where"]["line"]: call["state"] for call in motions_of(report)}
     assert states[11] == "FINISHED"
     assert states[22] == "ERROR", "a program that handles the error gets it"
-    if not thorough:
-        return
     # all of them are told of in the table
-    shown = CliRunner().invoke(app, ["preflight", str(program), "--quiet"]).output
     assert shown.count("not possible") == 3
     assert "found: 4 problems" in shown
     assert "\\[" not in shown
@@ -158,24 +167,15 @@ asyncio.run(main())
 
 
 @pytest.mark.slow
-def test_a_motion_beyond_the_envelope_is_gone_past_and_a_slowed_one_said(
-    tmp_path: Path, thorough: bool
-) -> None:
-    report = tried(tmp_path, KEPT)
-    assert lines_of(report) == [(13, "envelope"), (15, "envelope")]
+def test_a_motion_beyond_the_envelope_is_gone_past_and_a_slowed_one_said(tmp_path: Path) -> None:
+    report, shown = told(tmp_path, KEPT)
+    found = [(each["line"], each["kind"]) for each in report["findings"]]
+    assert found == [(13, "envelope"), (15, "envelope")]
     slowed = {
-        call["where"]["line"]: call["slowed"] for call in report.motions if call["radius"] == 0
+        call["where"]["line"]: call["slowed"] for call in motions_of(report) if call["radius"] == 0
     }
     assert slowed[12] == pytest.approx(0.25, rel=0.01)
     assert slowed[13] == slowed[14] == 1.0
-    if not thorough:
-        return
-    (tmp_path / "kept.py").write_text(KEPT, encoding="utf-8")
-    shown = (
-        CliRunner()
-        .invoke(app, ["preflight", str(tmp_path / "kept.py"), "--quiet"], env={"COLUMNS": "160"})
-        .output
-    )
     assert "finished, slowed by the envelope to 25%" in shown
 
 
