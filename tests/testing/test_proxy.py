@@ -192,25 +192,17 @@ def test_a_cut_ends_the_connection_at_its_place(
     eventually(lambda: proxy.connections()[0].ended_by == "fault")
 
 
-def test_a_dropped_request_never_reaches_the_server(
-    proxy: FaultProxy, server: EchoServer, client: socket.socket
+@pytest.mark.parametrize(("fault", "received"), [(DropRequest(), [2]), (DropReply(), [1, 2])])
+def test_what_is_dropped_does_not_arrive(
+    proxy: FaultProxy, server: EchoServer, client: socket.socket, fault: Fault, received: list[int]
 ) -> None:
-    proxy.next(DropRequest())
+    proxy.next(fault)
     client.sendall(call(seqid=1).encode())
     assert exchange(client, call(seqid=2)).seqid == 2
-    assert [message.seqid for message in server.received] == [2]
-    assert proxy.calls()[0].forwarded is None
-
-
-def test_a_dropped_reply_never_reaches_the_client(
-    proxy: FaultProxy, server: EchoServer, client: socket.socket
-) -> None:
-    proxy.next(DropReply())
-    client.sendall(call(seqid=1).encode())
-    assert exchange(client, call(seqid=2)).seqid == 2
-    assert [message.seqid for message in server.received] == [1, 2]
-    assert proxy.calls()[0].replied is not None
-    assert proxy.calls()[0].answered is None
+    assert [message.seqid for message in server.received] == received
+    record = proxy.calls()[0]
+    assert (record.forwarded is None) == (record.replied is None) == (received == [2])
+    assert record.answered is None
 
 
 def test_a_held_reply_comes_before_the_next_one(
