@@ -2,7 +2,8 @@
 
     python interrupted.py HOST PORT
 
-For each number that it reads it runs once, in a fork of itself, which has not to load the package.
+For each number that it reads it runs once, in a fork of itself, which has not to load the package;
+on a system without forks itself, for the first one alone.
 The motion is cancelled, as a first interrupt does it. From then on the lines of the package are
 counted that the main thread runs; at the line of that number a second interrupt arrives. What the
 program writes is where that was, and how it ended.
@@ -74,7 +75,7 @@ if __name__ == "__main__":
     _, given_host, given_port = sys.argv
     aioduco.connect(given_host, int(given_port))  # loads what it takes
     for line in sys.stdin:
-        child = os.fork()
+        child = os.fork() if hasattr(os, "fork") else 0
         if not child:
             asyncio.run(main(given_host, int(given_port), int(line)))
             sys.exit()
