@@ -214,7 +214,7 @@ async def test_a_stream_that_begins_in_a_slow_zone_goes_on(
     robot: aioduco.Robot, seen: Seen
 ) -> None:
     robot.envelope = Envelope("gcr5_910", wall(-0.1, "slow", 0.05), ToolSpeed(0.05, action="slow"))
-    points = START.array + np.linspace(0, 1, 200)[:, None] * np.array([0.06, 0, 0, 0, 0, 0])
+    points = START.array + np.linspace(0, 1, 80)[:, None] * np.array([0.06, 0, 0, 0, 0, 0])
     stream = robot.servo.joints(
         v=1.5, a=10.0, rate=100, source_rate=50, upsample="ruckig", options=THREAD
     )
