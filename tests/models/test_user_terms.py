@@ -7,7 +7,7 @@ import pytest
 import aioduco
 from aioduco.cli import exit_codes
 from aioduco.integrations.panel.panel import _BUTTONS
-from aioduco.integrations.ros.service_table import _IN_PLACE_OF, said
+from aioduco.integrations.ros.trajectory_goals import _IN_PLACE_OF, said
 from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState
 from aioduco.models.names import place
 from aioduco.models.state import RobotStates

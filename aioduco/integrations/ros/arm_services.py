@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from aioduco import Joints, Pose, ProgramState
 from aioduco.errors import DucoError
-from aioduco.integrations.ros.service_table import said
+from aioduco.integrations.ros.trajectory_goals import said
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Sequence

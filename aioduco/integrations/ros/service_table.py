@@ -6,9 +6,7 @@ Where the driver of Universal Robots has a service, it has its name here, under
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
-
-from aioduco.models.user_terms import in_terms_of
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterator
@@ -51,12 +49,6 @@ _WITHOUT = {
     "io_and_status_controller/zero_ftsensor": "zero_sensor",
     "force_mode_controller/stop_force_mode": "stop_force_mode",
 }
-#: function of the robot that errors and advice name -> the service that does the same
-_IN_PLACE_OF: Final = {
-    **{name: f"~/{name}" for name in ("bring_up", "recover", "stop", "pause", "resume")},
-    "rearm_heartbeat": "~/recover",
-    "fc_force_set_value": "io_and_status_controller/zero_ftsensor",
-}
 #: those with a text
 _WITH_TEXT = {
     "dashboard_client/load_program": "load_program",
@@ -96,14 +88,6 @@ def service_table() -> Iterator[ServiceEntry]:
         yield ServiceEntry(name, "SetText", _call(function, "text"))
     for name, kind, function, fields in _WITH_FIELDS:
         yield ServiceEntry(name, kind, _call(function, *fields.split()))
-
-
-def said(told: object) -> str:
-    """The text of an error or a result, with services and goals in place of what Python has."""
-    text = in_terms_of(_IN_PLACE_OF, str(told) or repr(told))
-    for verb, other in (("open", "send"), ("Open", "Send")):  # a goal opens its stream itself
-        text = text.replace(f"{verb} a new stream", f"{other} a new goal")
-    return text
 
 
 def _call(function: str, *fields: str) -> Callable[[ArmServices, Any], Awaitable[ServiceReply]]:

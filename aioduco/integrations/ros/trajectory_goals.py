@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from aioduco.kinematics import arm as arm_of
 from aioduco.models.bounds import outside, shown
 from aioduco.models.ranges import JOINT_SPEED
 from aioduco.models.rules import Number, stored
+from aioduco.models.user_terms import in_terms_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -39,6 +40,14 @@ _ANYWHERE = 8.0 * math.pi
 _CLOSEST = 1e-6
 #: speed at the end of a trajectory that counts as rest [rad/s]
 _REST = 0.01
+
+
+#: function of the robot that errors and advice name -> the service that does the same
+_IN_PLACE_OF: Final = {
+    **{name: f"~/{name}" for name in ("bring_up", "recover", "stop", "pause", "resume")},
+    "rearm_heartbeat": "~/recover",
+    "fc_force_set_value": "io_and_status_controller/zero_ftsensor",
+}
 
 
 class ErrorCode(IntEnum):
@@ -322,6 +331,14 @@ def check_start(
             f"the trajectory begins elsewhere: {profile.joint_names[joint]} is {far[joint]:.4f} "
             f"rad from there, {rules.start:g} allowed; plan from where the arm is"
         )
+
+
+def said(told: object) -> str:
+    """The text of an error or a result, with services and goals in place of what Python has."""
+    text = in_terms_of(_IN_PLACE_OF, str(told) or repr(told))
+    for verb, other in (("open", "send"), ("Open", "Send")):  # a goal opens its stream itself
+        text = text.replace(f"{verb} a new stream", f"{other} a new goal")
+    return text
 
 
 def code_of(error: Exception) -> ErrorCode:

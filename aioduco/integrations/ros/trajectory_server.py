@@ -33,7 +33,6 @@ from aioduco.integrations.ros.path_parts import (
     rest_of_path,
     whole_path,
 )
-from aioduco.integrations.ros.service_table import said
 from aioduco.integrations.ros.trajectory_goals import (
     ErrorCode,
     GoalEnded,
@@ -41,6 +40,7 @@ from aioduco.integrations.ros.trajectory_goals import (
     check_goal,
     check_start,
     code_of,
+    said,
 )
 
 if TYPE_CHECKING:
