@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco.kinematics import Arm
-    from aioduco.models.pose import JointsLike
+    from aioduco.models.pose import JointsLike, PoseLike
     from aioduco.planning.clearance import Clearance
     from aioduco.planning.collision import CollisionChecker
     from aioduco.sim.scene import MountingLike, SceneLike
@@ -186,7 +186,7 @@ class Scene:
             self._allowed = {pair for pair in self._allowed if name not in pair}
             self._changed()
 
-    def move(self, name: str, at: Sequence[float]) -> None:
+    def move(self, name: str, at: PoseLike) -> None:
         """Move a thing to another position.
 
         Args:

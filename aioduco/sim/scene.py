@@ -18,7 +18,7 @@ from xml.etree import ElementTree as ET
 from aioduco.errors import ParameterError, SceneError
 from aioduco.kinematics.mjcf_elements import numbers, placed
 from aioduco.kinematics.mounting import MountingLike, base_in_world
-from aioduco.models.pose import Pose
+from aioduco.models.pose import Pose, PoseLike
 from aioduco.models.ranges import OWN_NAME_OR_NONE
 from aioduco.models.rules import Number, Vector, stored
 from aioduco.models.rules.lists import ordered
@@ -77,7 +77,7 @@ class Thing(ABC):
         name: name in the physics; names in a scene must differ.
     """
 
-    at: Sequence[float] = (0.0, 0.0, 0.0)
+    at: PoseLike = (0.0, 0.0, 0.0)
     mass: float = 0.0
     colour: Colour = _STEEL
     name: str = ""
@@ -313,7 +313,7 @@ def _sprung(
     return plate
 
 
-def _pose(at: Sequence[float]) -> Pose:
+def _pose(at: PoseLike) -> Pose:
     given = ordered("at", at, "three numbers [m], or a pose of six [m, rad]")
     try:
         return Pose.of([*given, 0.0, 0.0, 0.0] if len(given) == 3 else given)

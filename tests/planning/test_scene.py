@@ -249,7 +249,7 @@ def test_a_thing_keeps_its_place_whatever_becomes_of_the_callers_list() -> None:
     scene = Scene("gcr5_910", [box])
     at[0] = 9.0
     assert scene["box"].at == box.at == (0.5, 0.0, 0.2)
-    assert box == Box(at=np.array([0.5, 0.0, 0.2]), name="box")  # type: ignore[arg-type]
+    assert box == Box(at=np.array([0.5, 0.0, 0.2]), name="box")
     assert hash(box) == hash(Box(at=(0.5, 0.0, 0.2), name="box"))
 
 

@@ -45,7 +45,7 @@ class Intrinsics:
     fy: float
     cx: float
     cy: float
-    distortion: tuple[float, ...] = ()
+    distortion: Sequence[float] | NDArray[np.float64] = ()
 
     def __post_init__(self) -> None:
         for name in ("width", "height"):

@@ -31,6 +31,7 @@ from aioduco.testing.preflight.variation import Variation
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from aioduco.models.pose import JointsLike
     from aioduco.sim.scene import MountingLike, SceneLike
 
 
@@ -76,7 +77,7 @@ class PreflightSettings:
     tool: SceneLike | None = None
     mounting: MountingLike = "floor"
     pedestal: float = 0.0
-    joints: Sequence[float] | None = None
+    joints: JointsLike | None = None
     vendor: bool = False
     module: bool = False
     cwd: str | os.PathLike[str] | None = None
