@@ -41,7 +41,7 @@ class PortReader(Uncopied, ABC, Generic[C, T]):
         timeout: the longest wait for the connection, and for each item [s].
 
     Raises:
-        ParameterError: the host is no name or address, or the time is out of range.
+        ParameterError: the host is no name or address, or the port or the time is out of range.
     """
 
     #: what an item is called, and why none comes any more, for messages
@@ -51,7 +51,7 @@ class PortReader(Uncopied, ABC, Generic[C, T]):
     def __init__(self, host: str, port: int, timeout: float) -> None:
         host = host_alone(host)
         self.host = host
-        self.port = port
+        self.port: int = ranges.PORT("port", port)
         self.timeout: float = ranges.TIMEOUT("timeout", timeout)
         self._connection: C | None = None
 

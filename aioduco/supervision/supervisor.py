@@ -361,7 +361,7 @@ class Supervisor:
         """
         self.owner_loop.require("open")
         if self._opened or self._closed:
-            raise RuntimeError("a robot can be opened once; call aioduco.connect again")
+            raise RobotStateError("a robot is opened once: make another one by connect()")
         if started := started_in_place_of():
             raise RobotStateError(
                 f"nothing was sent: this program was started in place of {started}, since its "

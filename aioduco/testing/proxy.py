@@ -12,6 +12,7 @@ from anyio.from_thread import start_blocking_portal
 
 from aioduco._wire import idl
 from aioduco.errors import ParameterError
+from aioduco.models.ranges import PORT
 from aioduco.models.similar import did_you_mean
 from aioduco.testing.awaited_socket import AwaitedSocket
 from aioduco.testing.faults import Ending, Fault, Script
@@ -55,7 +56,7 @@ class FaultProxy(Script):
         super().__init__()
         self.host = _HOST
         self.port: int = 0
-        self._upstream = (upstream_host, upstream_port)
+        self._upstream = (upstream_host, PORT("upstream_port", upstream_port))
         self._records = Records()
         self._random = random.Random(seed)
         self._relays: set[Relay] = set()

@@ -6,11 +6,14 @@ send by themselves, and the tap.
 
 from __future__ import annotations
 
+import math
 import socket
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from typing import Any
 
 import anyio
+import numpy as np
 import pytest
 from client.bench import Bench
 from typer.testing import CliRunner
@@ -23,10 +26,11 @@ from aioduco.api.force_stream import ForceStream
 from aioduco.api.status_port import StatusPort
 from aioduco.cli.app import app
 from aioduco.compat import DucoCobot
-from aioduco.errors import ConnectError, ConnectionLost
+from aioduco.errors import ConnectError, ConnectionLost, ParameterError
+from aioduco.integrations.panel import Panel
 from aioduco.models.status_frame import FRAME_SIZE
 from aioduco.recording.tap import Tap
-from aioduco.testing import no_leaks
+from aioduco.testing import FaultProxy, no_leaks
 
 #: shorter than what the silent side keeps silent, and not waited for where a test passes
 SHORT = 0.3
@@ -162,3 +166,31 @@ async def test_a_status_port_that_sends_nothing() -> None:
         async with StatusPort(*server.getsockname(), timeout=SHORT) as port:
             with pytest.raises(ConnectionLost, match="no frame within"):
                 await port.frame()
+
+
+#: by name, what takes the port of a controller, or one to listen on
+PORT_TAKERS: dict[str, Callable[[Any], object]] = {
+    "robot": lambda port: aioduco.connect("192.0.2.1", port),
+    "status port": lambda port: StatusPort("192.0.2.1", port),
+    "force stream": lambda port: ForceStream("192.0.2.1", port),
+    "tap": lambda port: Tap("192.0.2.1", port),
+    "proxy": lambda port: FaultProxy("192.0.2.1", port),
+    "panel": lambda port: Panel("192.0.2.1", port),
+    "tap, its own": lambda port: Tap("192.0.2.1", listen=("127.0.0.1", port)),
+    "panel, its own": lambda port: Panel("192.0.2.1", listen=port),
+}
+
+
+@pytest.mark.parametrize("name", PORT_TAKERS)
+def test_what_is_no_port_is_refused_where_it_is_given(name: str) -> None:
+    take = PORT_TAKERS[name]
+    for port in ("7003", "x", -1, 70000, True, None, 7003.0, math.nan):
+        with pytest.raises(ParameterError):
+            take(port)
+    take(np.int64(7003))
+
+
+@pytest.mark.parametrize("listen", ["x", 5, None, ("127.0.0.1",), ("", 0), (5, 0)])
+def test_a_tap_listens_on_no_address_that_is_none(listen: Any) -> None:
+    with pytest.raises(ParameterError, match="listen"):
+        Tap("192.0.2.1", listen=listen)

@@ -13,7 +13,7 @@ from client.bench import HOME, Bench
 from moments import cancelled_once
 
 import aioduco
-from aioduco.errors import ParameterError
+from aioduco.errors import ParameterError, RobotStateError
 from aioduco.supervision.gate import Gate
 from aioduco.supervision.supervisor import Supervisor
 from aioduco.testing import FaultProxy, eventually_async
@@ -139,11 +139,11 @@ async def test_closing_twice_and_opening_twice(bench: Bench) -> None:
     robot = aioduco.connect(bench.host, bench.port)
     await robot.aclose()  # not open yet: nothing to do
     async with robot:
-        with pytest.raises(RuntimeError, match="opened once"):
+        with pytest.raises(RobotStateError, match="opened once"):
             await robot.open()
         assert repr(robot) == f"<Robot {bench.host}:{bench.port} open, 0 live tasks>"
     await robot.aclose()
-    with pytest.raises(RuntimeError, match="opened once"):
+    with pytest.raises(RobotStateError, match="opened once"):
         await robot.open()
     assert repr(robot.motion) == f"<Motion of {bench.host}:{bench.port}, closed>"
 

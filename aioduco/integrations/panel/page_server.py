@@ -30,6 +30,7 @@ from websockets.http11 import Response
 from aioduco.integrations.panel.page_connection import PageConnection, Waiting, origin_of
 from aioduco.integrations.panel.page_requests import LONGEST
 from aioduco.models.host_port import host_port
+from aioduco.models.ranges import LISTEN_PORT
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
@@ -100,7 +101,7 @@ class PageServer:
         picture: Callable[[ServerConnection], Awaitable[None]],
     ) -> None:
         self.host = host
-        self.port: int = port
+        self.port: int = LISTEN_PORT("listen", port)
         self._hello = hello
         self._take = take
         self._left = left

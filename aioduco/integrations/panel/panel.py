@@ -24,7 +24,13 @@ import anyio
 import aioduco
 from aioduco import JogDirections, ProgramState, events
 from aioduco._process.copying import Uncopied
-from aioduco.errors import DucoError, MissingExtra, ParameterError, StopsUnconfirmed
+from aioduco.errors import (
+    DucoError,
+    MissingExtra,
+    ParameterError,
+    RobotStateError,
+    StopsUnconfirmed,
+)
 from aioduco.integrations.panel.control_lease import (
     BeginLease,
     BeginMotion,
@@ -164,6 +170,8 @@ class Panel(Uncopied):
         ParameterError: an argument is out of range.
     """
 
+    _begun: bool = False
+
     def __init__(
         self,
         host: str,
@@ -261,7 +269,11 @@ class Panel(Uncopied):
         Raises:
             ConnectError: there is no controller.
             OSError: the port is taken, or the address is not one of this computer.
+            RobotStateError: it was opened before.
         """
+        if self._begun:
+            raise RobotStateError("a panel is opened once: make another one")
+        self._begun = True
         async with contextlib.AsyncExitStack() as stack:
             await stack.enter_async_context(self._observer)
             await self._identify_arm()

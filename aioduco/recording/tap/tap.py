@@ -15,6 +15,7 @@ from aioduco._wire.endpoint import Endpoint
 from aioduco.errors import ConnectError, ParameterError
 from aioduco.models.address import HOST_RULE, host_alone, is_host
 from aioduco.models.host_port import host_port
+from aioduco.models.ranges import LISTEN_PORT, PORT
 from aioduco.recording.tap.conversation import Conversation, TapNote, TappedCall
 from aioduco.recording.tap.relay import HEAD, CopyKind
 
@@ -48,6 +49,9 @@ class Tap(Uncopied):
         listen: address and port for clients; port 0 takes a free one. An address other than
             loopback lets every computer of that network drive the arm.
 
+    Raises:
+        ParameterError: an address or a port is none.
+
     Attributes:
         host: address that it listens on.
         port: its TCP port.
@@ -57,10 +61,10 @@ class Tap(Uncopied):
         self, host: str, port: int = 7003, *, listen: tuple[str, int] = ("127.0.0.1", 0)
     ) -> None:
         host = host_alone(host)
-        if not isinstance(listen[0], str) or not is_host(listen[0]):
-            raise ParameterError("listen", listen, f"{HOST_RULE}, and a port")
-        self._controller = (host, port)
-        self._listen = listen
+        if not isinstance(listen, tuple) or len(listen) != 2 or not is_host(listen[0]):
+            raise ParameterError("listen", listen, f"a pair: {HOST_RULE}, and a port")
+        self._controller = (host, PORT("port", port))
+        self._listen = (listen[0], LISTEN_PORT("listen[1]", listen[1]))
         self._linked: LinkedProcess | None = None
         self._link: socket.socket | None = None
         self._conversation = Conversation()
@@ -74,8 +78,10 @@ class Tap(Uncopied):
             OSError: the address cannot be listened on, for instance if the port is in use.
             ConnectError: that address is the controller's own, or the controller's name is unknown
                 or not resolved within 5 s.
-            RuntimeError: no process can be started.
+            RuntimeError: no process can be started, or it is open already.
         """
+        if self._linked is not None:
+            raise RuntimeError("the tap is open already: make another one")
         addresses = self._addresses()
         try:
             linked = LinkedProcess("aioduco.recording.tap.relay")

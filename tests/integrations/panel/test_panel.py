@@ -18,7 +18,7 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import InvalidStatus
 
 import aioduco
-from aioduco.errors import ConnectError, ParameterError
+from aioduco.errors import ConnectError, ParameterError, RobotStateError
 from aioduco.integrations.panel import Panel
 from aioduco.sim import Simulator
 from aioduco.testing import Delay, FaultProxy, eventually_async
@@ -315,5 +315,7 @@ async def test_wrong_arguments_and_no_controller() -> None:
         with pytest.raises(ParameterError):
             Panel("127.0.0.1", 1, **options)
     with pytest.raises(ConnectError):
-        async with Panel("127.0.0.1", 1, **PATIENT):
+        async with (panel := Panel("127.0.0.1", 1, **PATIENT)):
             pass
+    with pytest.raises(RobotStateError, match="a panel is opened once"):
+        await panel.__aenter__()

@@ -241,6 +241,13 @@ def test_it_is_used_in_a_block() -> None:
         next(iter(Tap("127.0.0.1")))
 
 
+def test_a_tap_that_is_open_starts_no_second_relay(listener: socket.socket) -> None:
+    with no_leaks(), Tap(*listener.getsockname()) as tap:
+        with pytest.raises(RuntimeError, match="open already"):
+            tap.__enter__()
+        assert tap.port
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("suffix", [".jsonl", ".mcap"])
 def test_the_command_shows_and_records_each_call(bench: Bench, tmp_path: Path, suffix: str) -> None:
