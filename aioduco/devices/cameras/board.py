@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from aioduco.devices.cameras.camera import CameraFrame
 from aioduco.errors import MissingExtra, ParameterError
 from aioduco.models.rules import Number, is_whole, stored
 from aioduco.models.rules.scalars import LONGEST_ARM
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-    from aioduco.devices.cameras.camera import CameraFrame
 
     Matrix = NDArray[np.float64]
 
@@ -72,6 +71,8 @@ def find_board(frame: CameraFrame, size: BoardSize) -> Matrix | None:
     with MissingExtra.named("finding a board", "camera"):
         import cv2  # noqa: PLC0415 - for this function alone
 
+    if not isinstance(size, BoardSize):
+        raise ParameterError("size", size, "a BoardSize")
     grey = _grey(frame, cv2)
     found, corners = cv2.findChessboardCorners(grey, (size.columns, size.rows))
     if not found:
@@ -89,6 +90,8 @@ def find_board(frame: CameraFrame, size: BoardSize) -> Matrix | None:
 
 def _grey(frame: CameraFrame, cv2: Any) -> Any:
     """The image in shades of grey. Shape (height, width)."""
+    if not isinstance(frame, CameraFrame):
+        raise ParameterError("frame", type(frame).__name__, "a CameraFrame, which has the lens")
     image, lens = np.asarray(frame.image), frame.intrinsics
     size = (lens.height, lens.width)
     channels = image.shape[2] if image.ndim == 3 else 1

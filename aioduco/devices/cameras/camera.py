@@ -9,6 +9,7 @@ import numpy as np
 
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
+from aioduco.models.numpy_on_use import number_array
 from aioduco.models.rules import Integer, stored
 
 if TYPE_CHECKING:
@@ -54,7 +55,7 @@ class Intrinsics:
         stored(self, fx=ranges.ABOVE, fy=ranges.ABOVE, cx=ranges.FINITE, cy=ranges.FINITE)
         # OpenCV gives an array of one row.
         given = () if self.distortion is None else self.distortion
-        found = tuple(ranges.FINITE("distortion", each) for each in np.ravel(given).tolist())
+        found = tuple(number_array("distortion", given, "a list of numbers").ravel().tolist())
         if len(found) not in _COEFFICIENTS:
             raise ParameterError("distortion", found, "0, 4, 5, 8, 12 or 14 numbers")
         object.__setattr__(self, "distortion", found)

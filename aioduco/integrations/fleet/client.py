@@ -16,6 +16,7 @@ from aioduco.integrations.fleet.reports import (
     StopReport,
     StopRequest,
 )
+from aioduco.integrations.fleet.settings import settings_given
 from aioduco.models.ranges import TIMEOUT
 
 if TYPE_CHECKING:
@@ -78,11 +79,11 @@ class FleetClient(Uncopied):
             that a gateway's file can be used on its own computer.
 
     Raises:
-        FleetFileError: the file of keys is wrong.
+        FleetFileError: the file of keys is wrong, or it is no `FleetSettings`.
     """
 
     def __init__(self, settings: FleetSettings) -> None:
-        self._settings = settings
+        self._settings = settings_given(settings)
         self._keys = read_keys(settings.keys) if settings.keys else {}
         self._link = FleetLink(settings, listens=False)
         self._present: set[str] = set()

@@ -18,7 +18,7 @@ from aioduco.integrations.fleet.gateway_state import GatewayState
 from aioduco.integrations.fleet.link import FleetLink
 from aioduco.integrations.fleet.proof import read_keys
 from aioduco.integrations.fleet.reports import ArmReport
-from aioduco.integrations.fleet.settings import FleetFileError
+from aioduco.integrations.fleet.settings import FleetFileError, settings_given
 from aioduco.robot import connect, stop_all
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ class FleetGateway(Uncopied):
     def __init__(
         self, settings: FleetSettings, reach: Callable[[ArmSettings], Robot] | None = None
     ) -> None:
-        if not settings.gateway:
+        if not settings_given(settings).gateway:
             raise FleetFileError("a gateway needs a name: gateway = ... in [fleet]")
         self._settings = settings
         keys = read_keys(settings.keys) if settings.keys else {}

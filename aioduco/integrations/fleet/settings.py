@@ -169,6 +169,19 @@ class FleetSettings:
         return cls(**values, arms=tuple(made))
 
 
+def settings_given(given: object) -> FleetSettings:
+    """The settings of an argument.
+
+    Raises:
+        FleetFileError: it is something else, such as the name of their file.
+    """
+    if not isinstance(given, FleetSettings):
+        raise FleetFileError(
+            f"settings is {given!r}, but must be FleetSettings: FleetSettings.read reads a file"
+        )
+    return given
+
+
 def _complete(where: str, table: dict[str, Any], *needed: str) -> None:
     if lack := [name for name in needed if name not in table]:
         raise FleetFileError(f"{where} lacks {' and '.join(lack)}")

@@ -256,6 +256,10 @@ def test_a_board_is_found_with_any_form_of_a_lens_and_of_a_picture(distortion: A
     for wrong in (image[:400], image / 255.0, image[:, :, :2], image[0], image.astype(np.uint16)):
         with pytest.raises(ParameterError, match="frame"):
             find_board(CameraFrame(wrong, None, 0.0, lens), BOARD)
+    with pytest.raises(ParameterError, match="frame"):
+        find_board(image, BOARD)
+    with pytest.raises(ParameterError, match="size"):
+        find_board(CameraFrame(image, None, 0.0, lens), (6, 5))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
@@ -265,6 +269,7 @@ def test_a_board_is_found_with_any_form_of_a_lens_and_of_a_picture(distortion: A
           for value in (np.nan, np.inf, "a", None, np.zeros(2))),
         *((name, value) for name in ("width", "height") for value in (0, -1, 1.5)),
         *(("distortion", value) for value in ((0.1,), np.zeros((2, 3)), (0, 0, 0, np.nan), "none")),
+        *(("distortion", value) for value in ([[0, 0], [0, 0, 0]], 4 * [np.timedelta64(1, "ns")])),
     ],
 )  # fmt: skip
 def test_intrinsics_that_are_none_are_refused(name: str, value: Any) -> None:

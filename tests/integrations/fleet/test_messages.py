@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from aioduco.integrations.fleet import FleetClient, FleetGateway
 from aioduco.integrations.fleet.gateway_state import GatewayState
 from aioduco.integrations.fleet.reports import (
     LONGEST,
@@ -202,3 +203,9 @@ def test_settings_made_of_lists_are_those_of_tuples() -> None:
     arm = ArmSettings("left", "192.0.2.1")
     settings = FleetSettings("hall", expect=["cell"], arms=[arm])  # type: ignore[arg-type]
     assert hash(settings) == hash(FleetSettings("hall", expect=("cell",), arms=(arm,)))
+
+
+@pytest.mark.parametrize("make", [FleetClient, FleetGateway])
+def test_the_name_of_a_file_is_no_settings(make: Any) -> None:
+    with pytest.raises(FleetFileError, match=r"FleetSettings\.read"):
+        make("fleet.toml")
