@@ -34,8 +34,13 @@ def read_text(path: str | os.PathLike[str]) -> str:
     Raises:
         OSError: the file cannot be read.
         ValueError: it is not UTF-8, or larger than 64 MiB; the message has the line of the first.
+            Or the path is none.
     """
-    with Path(path).open("rb") as file:
+    try:
+        target = Path(path)
+    except TypeError as error:
+        raise ValueError(f"{path!r} is not the name of a file") from error
+    with target.open("rb") as file:
         data = file.read(_LARGEST + 1)  # a device has no end
     if len(data) > _LARGEST:
         raise ValueError(f"it is larger than {_LARGEST >> 20} MiB")

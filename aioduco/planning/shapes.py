@@ -43,7 +43,7 @@ class Mesh(Thing):
 
     file: str | Path | None = None
     vertices: Sequence[Sequence[float]] | NDArray[np.float64] | None = field(
-        default=None, compare=False, repr=False
+        default=None, repr=False
     )
     scale: float = 1.0
 
@@ -60,7 +60,8 @@ class Mesh(Thing):
                 raise SceneError(f"the mesh's file {self.file} does not exist")
             object.__setattr__(self, "file", file)
         if self.vertices is not None:
-            object.__setattr__(self, "vertices", _points("vertices", self.vertices, least=4))
+            corners = _points("vertices", self.vertices, least=4)
+            object.__setattr__(self, "vertices", _kept(corners))
 
     def assets(self) -> list[ET.Element]:
         """The elements of MJCF for the mesh outside of the world."""
@@ -93,19 +94,24 @@ class PointCloud(Thing):
             that nothing passes between them.
     """
 
-    points: Sequence[Sequence[float]] | NDArray[np.float64] = field(compare=False, repr=False)
+    points: Sequence[Sequence[float]] | NDArray[np.float64] = field(repr=False)
     radius: float = 0.01
 
     _sizes: ClassVar[tuple[str, ...]] = ("radius",)
 
     def __post_init__(self) -> None:
         Thing.__post_init__(self)
-        object.__setattr__(self, "points", _points("points", self.points, least=1))
+        object.__setattr__(self, "points", _kept(_points("points", self.points, least=1)))
 
     def _shapes(self, body: ET.Element) -> None:
         for point in _points("points", self.points, least=1).tolist():
             place = " ".join(f"{value:.6g}" for value in point)
             self._geom(body, "sphere", (self.radius,), pos=place, mass="0")
+
+
+def _kept(points: NDArray[np.float64]) -> tuple[tuple[float, ...], ...]:
+    """Points that nobody changes, and that can be compared."""
+    return tuple(map(tuple, points.tolist()))
 
 
 def _points(name: str, value: Any, *, least: int) -> NDArray[np.float64]:

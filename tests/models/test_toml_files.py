@@ -93,6 +93,14 @@ def test_every_reader_says_that_a_file_is_missing(name: str, tmp_path: Path) -> 
         read(tmp_path / "file.toml")
 
 
+@pytest.mark.parametrize("name", sorted(READERS.keys() - {"robots"}))
+def test_every_reader_says_that_a_name_is_none(name: str) -> None:
+    read, _, error = READERS[name]
+    for path in (5, None, 1.5):
+        with pytest.raises(error, match="name of a file"):
+            read(path)  # type: ignore[arg-type]
+
+
 def test_robots_need_no_file(tmp_path: Path) -> None:
     assert robots(tmp_path / "file.toml") == ({}, "")
 

@@ -251,6 +251,12 @@ def test_a_thing_keeps_its_place_whatever_becomes_of_the_callers_list() -> None:
     assert scene["box"].at == box.at == (0.5, 0.0, 0.2)
     assert box == Box(at=np.array([0.5, 0.0, 0.2]), name="box")
     assert hash(box) == hash(Box(at=(0.5, 0.0, 0.2), name="box"))
+    points = np.zeros((4, 3))
+    cloud, mesh = PointCloud(points=points), Mesh(vertices=points)
+    points[0] = 1.0
+    assert cloud == PointCloud(points=np.zeros((4, 3))) != PointCloud(points=points)
+    assert mesh == Mesh(vertices=np.zeros((4, 3))) != Mesh(vertices=points)
+    assert hash(cloud) == hash(PointCloud(points=np.zeros((4, 3))))
 
 
 @pytest.mark.parametrize("at", [5, {1.0, 2.0, 3.0}, "123", None])
