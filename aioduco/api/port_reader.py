@@ -12,7 +12,7 @@ import anyio
 from aioduco._process.copying import Uncopied
 from aioduco._wire.channel import resolve
 from aioduco._wire.endpoint import Endpoint
-from aioduco.errors import ConnectError, ConnectionLost
+from aioduco.errors import ConnectError, ConnectionLost, RobotStateError
 from aioduco.models import ranges
 from aioduco.models.address import host_alone
 from aioduco.models.host_port import host_port
@@ -73,6 +73,8 @@ class PortReader(Uncopied, ABC, Generic[C, T]):
         """Make the item; a `ProtocolError` says that the bytes are none."""
 
     async def __aenter__(self) -> Self:
+        if self._connection is not None:
+            raise RobotStateError(f"{self!r}: it is opened once at a time; make another one")
         endpoint = Endpoint(self.host, self.port, self.timeout, functions=False)
         deadline = time.monotonic() + self.timeout
         error: BaseException = TimeoutError("no time was left to connect")

@@ -89,8 +89,11 @@ class SimulatorProcess(Startable):
 
         Raises:
             ValueError: An argument is wrong, as `Simulator` says.
-            RuntimeError: It could not be started, it ended before it listened, or it timed out.
+            RuntimeError: It could not be started, it ended before it listened, or it timed out. Or
+                it is running already.
         """
+        if self._linked is not None:
+            raise RuntimeError("this simulator is running already")
         try:
             linked = LinkedProcess("aioduco.sim.spawned", packages=MUJOCO_PACKAGES, patience=_END)
         except Unstartable as error:

@@ -61,8 +61,11 @@ class FaultProxy(Script):
         self._random = random.Random(seed)
         self._relays: set[Relay] = set()
         self._stack = ExitStack()
+        self._running = False
 
     def __enter__(self) -> Self:
+        if self._running:
+            raise RuntimeError("this proxy is running already")
         with ExitStack() as stack:
             # A socket that is bound but does not listen keeps the port while new connections
             # are refused: no other program can take the port before the listener comes back.
@@ -74,9 +77,11 @@ class FaultProxy(Script):
             stack.callback(self._portal.call, self._stop)
             self._portal.call(self._accept)
             self._stack = stack.pop_all()
+        self._running = True
         return self
 
     def __exit__(self, *_: object) -> None:
+        self._running = False
         self._stack.close()
 
     async def __aenter__(self) -> Self:

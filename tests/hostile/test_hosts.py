@@ -26,10 +26,11 @@ from aioduco.api.force_stream import ForceStream
 from aioduco.api.status_port import StatusPort
 from aioduco.cli.app import app
 from aioduco.compat import DucoCobot
-from aioduco.errors import ConnectError, ConnectionLost, ParameterError
+from aioduco.errors import ConnectError, ConnectionLost, ParameterError, RobotStateError
 from aioduco.integrations.panel import Panel
 from aioduco.models.status_frame import FRAME_SIZE
 from aioduco.recording.tap import Tap
+from aioduco.sim import Simulator
 from aioduco.testing import FaultProxy, no_leaks
 
 #: shorter than what the silent side keeps silent, and not waited for where a test passes
@@ -194,3 +195,20 @@ def test_what_is_no_port_is_refused_where_it_is_given(name: str) -> None:
 def test_a_tap_listens_on_no_address_that_is_none(listen: Any) -> None:
     with pytest.raises(ParameterError, match="listen"):
         Tap("192.0.2.1", listen=listen)
+
+
+async def test_what_is_open_is_not_opened_again() -> None:
+    """The first connection, process or proxy was left behind, and lived on."""
+    with (
+        no_leaks(),
+        Simulator.spawn(speed=math.inf, status_port=0) as sim,
+        FaultProxy(sim.host, sim.port) as proxy,
+    ):
+        with pytest.raises(RuntimeError, match="running already"):
+            sim.start()
+        with pytest.raises(RuntimeError, match="running already"):
+            proxy.__enter__()
+        async with StatusPort(sim.host, sim.status_port or 0, timeout=PATIENCE) as status:
+            with pytest.raises(RobotStateError, match="once at a time"):
+                await status.__aenter__()
+            await status.frame()
