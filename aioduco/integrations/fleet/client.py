@@ -99,6 +99,8 @@ class FleetClient(Uncopied):
             ConnectError: no router answers.
         """
         await self._link.__aenter__()
+        self._present.clear()  # what was seen the last time may be gone
+        self._reports.clear()
         try:
             self._link.watch_gateways(self._presence_changed)
             self._link.watch_states(self._report_received)

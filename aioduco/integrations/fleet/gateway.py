@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from contextlib import suppress
 from functools import partial
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import anyio
 import anyio.abc
@@ -95,11 +95,12 @@ class FleetGateway(Uncopied):
         self._tasks.start_soon(self._publish_reports)
         return self
 
-    async def __aexit__(self, *exc: Any) -> None:
+    async def __aexit__(self, *exc: object) -> None:
         assert self._tasks is not None
         try:
             self._tasks.cancel_scope.cancel()
-            await self._tasks.__aexit__(*exc)
+            # without the error of the block, which it would put into a group
+            await self._tasks.__aexit__(None, None, None)
         finally:
             await self._link.__aexit__(*exc)
 

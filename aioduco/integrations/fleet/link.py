@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 import anyio
 import anyio.from_thread
 
-from aioduco.errors import ConnectError, MissingExtra
+from aioduco.errors import ConnectError, MissingExtra, RobotStateError
 from aioduco.integrations.fleet.proof import proof_of
 from aioduco.integrations.fleet.reports import LONGEST, alive_key, state_key, stop_key
 from aioduco.integrations.fleet.settings import FleetFileError
@@ -63,7 +63,10 @@ class FleetLink:
             MissingExtra: the extra `fleet` is not installed.
             FleetFileError: an address is none, or Zenoh's own file is wrong.
             ConnectError: an address cannot be listened on, or no router answers.
+            RobotStateError: it is open already.
         """
+        if self._session is not None:
+            raise RobotStateError("the connection to the fleet is open already: make another one")
         with MissingExtra.named("a fleet", "fleet"):
             import zenoh  # noqa: PLC0415 - of the extra
         listen, connect = self._settings.listen, self._settings.connect
@@ -76,6 +79,8 @@ class FleetLink:
             self._session = await anyio.to_thread.run_sync(zenoh.open, config)
         except (zenoh.ZError, OSError, ValueError) as error:
             raise ConnectError(where or "Zenoh", 0, _plain(error)) from error
+        self._portal = anyio.from_thread.BlockingPortal()
+        self._declared = []
         try:
             await self._portal.__aenter__()
         except BaseException:
@@ -83,9 +88,10 @@ class FleetLink:
             raise
         return self
 
-    async def __aexit__(self, *exc: Any) -> None:
+    async def __aexit__(self, *_: object) -> None:
         try:
-            await self._portal.__aexit__(*exc)
+            # without the error of the block, which it would put into a group
+            await self._portal.__aexit__(None, None, None)
         finally:
             await self._close_session()
 

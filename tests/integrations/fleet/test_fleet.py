@@ -425,3 +425,24 @@ async def test_a_computer_that_does_not_answer_holds_up_no_session_for_long(
     link = FleetLink(FleetSettings("plant", zenoh=str(file) if own else ""), listens=False)
     found = link._config(zenoh).get_json("transport/unicast/open_timeout")
     assert int(found) == (7000 if own else 2000)
+
+
+async def test_the_error_of_a_block_leaves_it_as_it_is() -> None:
+    """Not in a group, which `except DucoError` does not catch."""
+    settings = FleetSettings("hall", gateway="cell", listen=(free_endpoint(),))
+    wrong = aioduco.ParameterError("v", 9, "at most 1")
+    with pytest.raises(aioduco.ParameterError) as raised:
+        async with FleetGateway(settings), FleetClient(settings):
+            raise wrong
+    assert raised.value is wrong
+
+
+async def test_a_client_can_be_used_again_but_not_opened_twice() -> None:
+    settings = FleetSettings("hall", gateway="cell", listen=(free_endpoint(),))
+    async with FleetGateway(settings):
+        client = FleetClient(settings)
+        for _ in range(2):
+            async with client:
+                await eventually_async(lambda: len(client.view.gateways) == 1, timeout=60.0)
+                with pytest.raises(aioduco.RobotStateError, match="open already"):
+                    await client.__aenter__()
