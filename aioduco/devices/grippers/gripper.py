@@ -410,14 +410,14 @@ class PolledGripper(Uncopied, ABC):
         if not self._background:
             raise GripperError(f"{self} is not polled: write `async with` it; {_NOTHING}")
         self._check(_NOTHING)
-        error: Exception | None = None
+        error: BaseException | None = None
         cancelled = False
         async with anyio.create_task_group() as watching:
             watching.start_soon(self._cancel_when_lost, watching.cancel_scope)
             # Kept and raised outside of the task group, which would wrap the error in a group.
             try:
                 yield
-            except Exception as raised:
+            except (Exception, SystemExit, KeyboardInterrupt) as raised:
                 error = raised
             except anyio.get_cancelled_exc_class():
                 cancelled = True
