@@ -153,7 +153,7 @@ def test_a_time_in_nanoseconds_is_named_as_one() -> None:
 #: by name, what takes an array
 ARRAY_TAKERS: dict[str, Callable[[Any], Any]] = {
     "times": lambda x: JointTrajectory(np.zeros((6, 6)), x),
-    "positions": lambda x: JointTrajectory([x, [0.0] * 6], [0.0, 1.0]),
+    "positions": lambda x: JointTrajectory(np.stack([x, x]), [0.0, 1.0]),
     "sampled": lambda x: sampled(JOINT_SPACE, np.zeros((6, 6)), x, 0.002),
     "rule": lambda x: ranges.JOINTS("joints", x),
     "Joints": Joints.of,
@@ -177,13 +177,13 @@ def test_an_array_of_other_things_than_numbers_is_refused(name: str) -> None:
             np.array(list("012345")),
             np.ones(6, bool),
         ),
-        np.array([0, 1, 2, None, 4, 5], dtype=object),
+        np.array([None, 1, 2, 3, 4, 5], dtype=object),
     ):
         with pytest.raises(ParameterError):
             take(value)
 
 
-@pytest.mark.parametrize("name", ["times", "positions", "Joints", "fkine", "rotation"])
+@pytest.mark.parametrize("name", ["times", "positions", "fkine", "rotation"])
 def test_an_array_of_any_kind_of_number_is_taken(name: str) -> None:
     for kind in (np.float32, np.int64, np.uint8, object):
         ARRAY_TAKERS[name](np.arange(6).astype(kind))
