@@ -61,7 +61,7 @@ class Tap(Uncopied):
         self, host: str, port: int = 7003, *, listen: tuple[str, int] = ("127.0.0.1", 0)
     ) -> None:
         host = host_alone(host)
-        if not isinstance(listen, tuple) or len(listen) != 2 or not is_host(listen[0]):
+        if not isinstance(listen, (tuple, list)) or len(listen) != 2 or not is_host(listen[0]):
             raise ParameterError("listen", listen, f"a pair: {HOST_RULE}, and a port")
         self._controller = (host, PORT("port", port))
         self._listen = (listen[0], LISTEN_PORT("listen[1]", listen[1]))
