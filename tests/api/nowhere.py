@@ -33,7 +33,7 @@ class _Launcher:
     async def block(self, command: Any, _lane: Any) -> TaskState:
         return TaskState(await self._answer(command.name, command.args))
 
-    async def feed(self, command: Any, _lane: Any) -> Any:
+    async def feed(self, command: Any, _lane: Any, _mode: Any) -> Any:
         return await self._answer(command.name, command.args)
 
     async def admit_stream(self, _name: str) -> None:
