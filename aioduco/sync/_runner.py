@@ -3,9 +3,7 @@
 Guarantees:
 - A call that is interrupted (by Ctrl-C, or by another exception of a signal handler) is cancelled
   on the loop, and runs to its end there, before the interrupt is raised: a motion that the call
-  waited for has been stopped by then. A second Ctrl-C does not shorten this: nothing that a thread
-  of the program waits by, or hands its calls over by, has a lock that an interrupt could leave held
-  or let go of (as `threading.Event`, futures and anyio's portal have), so neither side hangs.
+  waited for has been stopped by then. A second Ctrl-C does not shorten this.
 - If the main thread ends without closing the robot, the loop's thread closes it, which stops this
   program's motions. The loop's thread keeps the process alive until then.
 - A motion without an end of its own is stopped when the thread that holds it has made no call for
@@ -16,25 +14,21 @@ from __future__ import annotations
 
 import threading
 import time
-from collections import deque
-from contextvars import Context, copy_context
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import anyio
+from anyio.from_thread import BlockingPortal
 
 from aioduco._process import trial
 from aioduco._process.reporting import BackgroundLogger
 from aioduco._wire.forks import fork_hooks
-from aioduco._wire.owner_loop import loop_callback
 from aioduco.errors import DucoError, RobotStateError, WrongProcess
 from aioduco.models.ranges import TIMEOUT
-from aioduco.supervision.concurrency import Alarm, every
+from aioduco.supervision.concurrency import every
 from aioduco.sync._presence import CallTimes
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Coroutine
-
-    from anyio.abc import TaskGroup
 
     from aioduco.robot import Robot
     from aioduco.supervision.task import Task
@@ -52,44 +46,21 @@ _WAKE_EVERY = 0.2
 T = TypeVar("T")
 
 
-class Latch:
-    """An event that is set once. An interrupt of the thread that waits leaves it whole."""
-
-    def __init__(self) -> None:
-        self._set = False
-        self._lock = threading.Lock()
-        self._lock.acquire()
-
-    def set(self) -> None:
-        """Set it; on one thread alone."""
-        if not self._set:
-            self._set = True
-            self._lock.release()
-
-    def is_set(self) -> bool:
-        """Whether it is set."""
-        return self._set
-
-    def wait(self) -> None:
-        """Wait until it is set."""
-        while not self._set:
-            self._lock.acquire(timeout=_WAKE_EVERY)
-
-
 class StartedCall(Generic[T]):
     """A coroutine that runs on the loop while a thread waits for it."""
 
     def __init__(self, work: Coroutine[Any, Any, T]) -> None:
         self._work = work
         self._scope: anyio.CancelScope | None = None
-        self.over: Latch = Latch()
+        self._withdrawn = False
+        self.over: threading.Event = threading.Event()
         self.answers: list[T] = []
         self.error: BaseException | None = None
 
     async def run(self) -> None:
         """Run the coroutine; on the loop."""
         try:
-            if self.over.is_set():
+            if self._withdrawn:
                 return
             with anyio.CancelScope() as self._scope:
                 self.answers.append(await self._work)
@@ -101,23 +72,23 @@ class StartedCall(Generic[T]):
             self._work.close()
             self.over.set()
 
-    def withdraw(self) -> None:
-        """Cancel the work, or prevent its start; on the loop."""
+    def withdraw(self) -> bool:
+        """Cancel the work, or prevent its start; on the loop.
+
+        Returns:
+            Whether it has begun: then the caller must wait for its end.
+        """
+        self._withdrawn = True
         if self._scope is None:
             self._work.close()
-            self.over.set()
-        else:
-            self._scope.cancel()
-
-    def refuse(self) -> None:
-        """Do not begin the work, since the loop ends."""
-        if not self.over.is_set():
-            self.error = RobotStateError("the robot is being closed: nothing was sent")
-            self.withdraw()
+            return False
+        self._scope.cancel()
+        return True
 
     def wait(self) -> None:
         """Wait for the end."""
-        self.over.wait()
+        while not self.over.wait(_WAKE_EVERY):
+            pass
 
 
 class Runner:
@@ -147,16 +118,10 @@ class Runner:
         self._stopped_unheld: set[int] = set()
         #: functions that are awaited after the robot has been closed: the ends of its streams
         self._at_close: list[Callable[[], Awaitable[None]]] = []
-        #: what threads hand over to the loop: calls to begin, or (False) to withdraw
-        self._inbox: deque[tuple[StartedCall[Any], bool, Context]] = deque()
-        #: has the loop look into it; None before it runs, and in a forked child
-        self._ring: Callable[[], None] | None = None
-        self._calls: TaskGroup | None = None
-        #: whether the loop begins no call any more, and whether it has ended
-        self._closing = self._ended = False
+        self._portal: BlockingPortal | None = None
         self._in_forked_child = False
         fork_hooks.add(self)
-        self._ready = Latch()
+        self._ready = threading.Event()
         self._asked_to_end = False
         self._thread = threading.Thread(
             target=anyio.run, args=(self._main,), name=f"aioduco-sync {robot.host}", daemon=False
@@ -174,7 +139,8 @@ class Runner:
         self._thread.start()
         try:
             with trial.untimed():  # until the loop of the thread waits
-                self._ready.wait()
+                while not self._ready.wait(_WAKE_EVERY):
+                    pass
                 self.call(self.robot.open())
         except BaseException:
             self._asked_to_end = True
@@ -266,13 +232,14 @@ class Runner:
         return task.id in self._stopped_unheld
 
     def _hand_over(self, call: StartedCall[T], work: Coroutine[Any, Any, T]) -> None:
+        portal = self._portal
         if self._in_forked_child:
             work.close()
             raise WrongProcess(
                 "refused, since the robot belongs to the process that forked this one; nothing was "
                 "sent. Open another one in this process"
             )
-        if self._ring is None or not self.running:
+        if portal is None or not self.running:
             work.close()
             raise RobotStateError("the robot is not open: nothing was sent")
         if threading.get_ident() == self._thread.ident:
@@ -281,52 +248,38 @@ class Runner:
                 "this is called on the thread of the robot's event loop, as predicates are: it "
                 "would wait for itself. Nothing was sent"
             )
-        self._give(call, begin=True)
-
-    def _give(self, call: StartedCall[Any], *, begin: bool) -> None:
-        """Have the loop begin or withdraw a call; from any thread."""
-        assert self._ring is not None
-        self._inbox.append((call, begin, copy_context()))
-        self._ring()
-        if self._ended:
-            self._take()  # the loop has taken all that was there before it ended
-
-    def _take(self) -> None:
-        """Begin and withdraw what was handed over; on the loop, or after its end."""
-        while self._inbox:
-            try:
-                call, begin, context = self._inbox.popleft()
-            except IndexError:  # another thread has taken it, after the end
-                return
-            if not begin:
-                call.withdraw()
-            elif self._closing:
-                call.refuse()
-            else:
-                assert self._calls is not None
-                context.run(self._calls.start_soon, call.run)
+        try:
+            portal.start_task_soon(call.run)
+        except RuntimeError as exc:
+            work.close()
+            raise RobotStateError("the robot is being closed: nothing was sent") from exc
 
     def _cancel_call(
         self, call: StartedCall[T], undo: Callable[[T], Coroutine[Any, Any, object]] | None
     ) -> None:
-        if self._ring is None or threading.get_ident() == self._thread.ident:
+        portal = self._portal
+        if portal is None or threading.get_ident() == self._thread.ident:
             return
 
         def withdraw() -> None:
-            self._give(call, begin=False)
-            call.wait()
+            try:
+                begun = portal.call(call.withdraw)
+            except RuntimeError:  # the loop ends, and with it all work that was begun
+                return
+            if begun:
+                call.wait()
 
         _uninterrupted(withdraw)
         if call.answers and undo is not None:
             undoing = StartedCall(undo(call.answers[0]))
-            self._give(undoing, begin=True)
+            portal.start_task_soon(undoing.run)
             _uninterrupted(undoing.wait)
             call.error = undoing.error
 
     def forked(self) -> None:
         """In a forked child, where the loop's thread does not run: refuse all calls."""
         self._in_forked_child = True
-        self._ring = None
+        self._portal = None
 
     # The methods below run on the loop.
 
@@ -340,26 +293,9 @@ class Runner:
             self._at_close.remove(work)
 
     async def _main(self) -> None:
-        handed = Alarm()
-        try:
-            async with anyio.create_task_group() as taking:
-                async with anyio.create_task_group() as self._calls:
-                    taking.start_soon(self._take_handed, handed)
-                    self._ring = loop_callback(handed.ring)
-                    self._ready.set()
-                    try:
-                        await self._watch()
-                    finally:
-                        self._closing = True
-                taking.cancel_scope.cancel()
-        finally:
-            self._ended = True
-            self._take()
-
-    async def _take_handed(self, handed: Alarm) -> None:
-        while True:
-            await handed.wait()
-            self._take()
+        async with BlockingPortal() as self._portal:
+            self._ready.set()
+            await self._watch()
 
     async def _watch(self) -> None:
         main = threading.main_thread()
