@@ -249,6 +249,8 @@ class _Watcher:
             self.worst = np.maximum(self.worst, np.abs(error))
             allowed = self._way.part(taken - 1).tolerances.path
             path = _six("path", allowed) if allowed else np.zeros(6)
+            if self._stream.quiet:
+                continue  # it has ended, as at a first point too far away: its own error says why
             if np.any(path) and np.any(np.abs(error) > path):
                 joint = int(np.argmax(np.abs(error) - path))
                 self.strayed = PathToleranceViolated(
