@@ -21,7 +21,17 @@ if TYPE_CHECKING:
 
     Settings = TypeVar("Settings", bound=DataclassInstance)
 
-__all__ = ["Moment", "Trial", "at_own_pace", "current", "moment", "started", "untimed", "wall"]
+__all__ = [
+    "Moment",
+    "Trial",
+    "at_own_pace",
+    "current",
+    "moment",
+    "started",
+    "untimed",
+    "waiting",
+    "wall",
+]
 
 
 class Moment(float):
@@ -78,6 +88,14 @@ class Trial(ABC):
     @abstractmethod
     def untimed(self) -> AbstractContextManager[object]:
         """A block that takes none of the program's time, however long this computer needs."""
+
+    @abstractmethod
+    def waiting(self) -> AbstractContextManager[Callable[[], object]]:
+        """A block in which the calling thread waits for the thread of its robot.
+
+        Returns:
+            The block, whose value is called when what is waited for has come, from any thread.
+        """
 
     @abstractmethod
     def at_own_pace(self, over: Callable[[], bool]) -> None:
@@ -142,6 +160,11 @@ def wall(at: float) -> float:
 def untimed() -> AbstractContextManager[object]:
     """A block that takes none of the time of a program that is tried."""
     return nullcontext() if current is None else current.untimed()
+
+
+def waiting() -> AbstractContextManager[Callable[[], object] | None]:
+    """A block in which the calling thread waits for the thread of its robot."""
+    return nullcontext() if current is None else current.waiting()
 
 
 def started() -> AbstractContextManager[object]:

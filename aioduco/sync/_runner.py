@@ -3,7 +3,9 @@
 Guarantees:
 - A call that is interrupted (by Ctrl-C, or by another exception of a signal handler) is cancelled
   on the loop, and runs to its end there, before the interrupt is raised: a motion that the call
-  waited for has been stopped by then. A second Ctrl-C does not shorten this.
+  waited for has been stopped by then. A second Ctrl-C does not shorten this: nothing by which a
+  thread of the program waits, or hands its calls over, has a lock that an interrupt could leave
+  held or let go of, as `threading.Event` and futures have.
 - If the main thread ends without closing the robot, the loop's thread closes it, which stops this
   program's motions. The loop's thread keeps the process alive until then.
 - A motion without an end of its own is stopped when the thread that holds it has made no call for
@@ -12,12 +14,12 @@ Guarantees:
 
 from __future__ import annotations
 
+import asyncio
 import threading
 import time
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import anyio
-from anyio.from_thread import BlockingPortal
 
 from aioduco._process import trial
 from aioduco._process.reporting import BackgroundLogger
@@ -46,49 +48,93 @@ _WAKE_EVERY = 0.2
 T = TypeVar("T")
 
 
-class StartedCall(Generic[T]):
-    """A coroutine that runs on the loop while a thread waits for it."""
+class Latch:
+    """An event that is set once. An interrupt of the thread that waits leaves it whole."""
 
-    def __init__(self, work: Coroutine[Any, Any, T]) -> None:
+    def __init__(self) -> None:
+        self._set = False
+        self._lock = threading.Lock()
+        self._lock.acquire()
+        self._note_end: Callable[[], object] | None = None
+
+    def set(self) -> None:
+        """Set it; on one thread alone."""
+        if not self._set:
+            self._set = True
+            if self._note_end is not None:
+                self._note_end()
+            self._lock.release()
+
+    def is_set(self) -> bool:
+        """Whether it is set."""
+        return self._set
+
+    def wait(self, lost: Callable[[], bool]) -> None:
+        """Wait until it is set, or until nothing will set it, as `lost` says."""
+        with trial.waiting() as self._note_end:
+            while not self._set and not lost():
+                self._lock.acquire(timeout=_WAKE_EVERY)
+
+
+class StartedCall(Generic[T]):
+    """A coroutine that runs on the loop while a thread waits for it.
+
+    Attributes:
+        over: set when the work has ended, or will not begin.
+    """
+
+    def __init__(self, work: Coroutine[Any, Any, T], runner: Runner) -> None:
         self._work = work
+        self._runner = runner
+        self._begun = False
         self._scope: anyio.CancelScope | None = None
-        self._withdrawn = False
-        self.over: threading.Event = threading.Event()
+        self.over: Latch = Latch()
         self.answers: list[T] = []
         self.error: BaseException | None = None
 
-    async def run(self) -> None:
-        """Run the coroutine; on the loop."""
+    def begin(self, calls: asyncio.TaskGroup | None) -> None:
+        """Begin the work, once, in a task; on the loop. None: it begins no work any more."""
+        if self._begun:
+            return
+        if calls is not None:
+            self._begun = True
+            calls.create_task(self._run())
+        elif not self.over.is_set():
+            self.refuse(RobotStateError("the robot is being closed: nothing was sent"))
+
+    async def _run(self) -> None:
         try:
-            if self._withdrawn:
+            if self.over.is_set():
                 return
             with anyio.CancelScope() as self._scope:
                 self.answers.append(await self._work)
-        # It is raised in the waiting thread: also the end of the program that a function of the
-        # program asked for, such as a predicate. It would end the loop, and be lost.
-        except (Exception, SystemExit, KeyboardInterrupt) as exc:
+        # It is raised in the waiting thread: also the end of the program, or a cancellation, that a
+        # function of the program asked for, such as a predicate. It would be lost here.
+        except (Exception, SystemExit, KeyboardInterrupt, asyncio.CancelledError) as exc:
             self.error = exc
         finally:
             self._work.close()
             self.over.set()
 
-    def withdraw(self) -> bool:
-        """Cancel the work, or prevent its start; on the loop.
-
-        Returns:
-            Whether it has begun: then the caller must wait for its end.
-        """
-        self._withdrawn = True
-        if self._scope is None:
+    def withdraw(self) -> None:
+        """Cancel the work, or prevent its start; on the loop."""
+        if self._scope is not None:
+            self._scope.cancel()
+        elif not self.over.is_set():
             self._work.close()
-            return False
-        self._scope.cancel()
-        return True
+            self.over.set()
+
+    def refuse(self, error: DucoError) -> None:
+        """Do not begin the work."""
+        self.error = error
+        self._work.close()
+        self.over.set()
 
     def wait(self) -> None:
         """Wait for the end."""
-        while not self.over.wait(_WAKE_EVERY):
-            pass
+        self.over.wait(lambda: not self._runner.running)
+        # handed over when the loop had run for the last time
+        self.begin(None)
 
 
 class Runner:
@@ -118,10 +164,13 @@ class Runner:
         self._stopped_unheld: set[int] = set()
         #: functions that are awaited after the robot has been closed: the ends of its streams
         self._at_close: list[Callable[[], Awaitable[None]]] = []
-        self._portal: BlockingPortal | None = None
+        #: has the loop call something; None before it runs, and in a forked child
+        self._soon: Callable[[Callable[[], object]], object] | None = None
+        #: the tasks of the calls; None before it begins calls, and when it begins no more
+        self._calls: asyncio.TaskGroup | None = None
         self._in_forked_child = False
         fork_hooks.add(self)
-        self._ready = threading.Event()
+        self._ready = Latch()
         self._asked_to_end = False
         self._thread = threading.Thread(
             target=anyio.run, args=(self._main,), name=f"aioduco-sync {robot.host}", daemon=False
@@ -139,8 +188,7 @@ class Runner:
         self._thread.start()
         try:
             with trial.untimed():  # until the loop of the thread waits
-                while not self._ready.wait(_WAKE_EVERY):
-                    pass
+                self._ready.wait(lambda: not self.running)
                 self.call(self.robot.open())
         except BaseException:
             self._asked_to_end = True
@@ -182,7 +230,7 @@ class Runner:
             WrongProcess: this is a forked child.
         """
         thread = self._call_times.here
-        call = StartedCall(work)
+        call = StartedCall(work, self)
         thread.enter()
         try:
             self._hand_over(call, work)
@@ -209,7 +257,7 @@ class Runner:
             RobotStateError: the robot is not open.
             RuntimeError: this is the loop's own thread.
         """
-        call = StartedCall(work)
+        call = StartedCall(work, self)
         self._hand_over(call, work)
         return call
 
@@ -232,14 +280,13 @@ class Runner:
         return task.id in self._stopped_unheld
 
     def _hand_over(self, call: StartedCall[T], work: Coroutine[Any, Any, T]) -> None:
-        portal = self._portal
         if self._in_forked_child:
             work.close()
             raise WrongProcess(
                 "refused, since the robot belongs to the process that forked this one; nothing was "
                 "sent. Open another one in this process"
             )
-        if portal is None or not self.running:
+        if self._soon is None or not self.running:
             work.close()
             raise RobotStateError("the robot is not open: nothing was sent")
         if threading.get_ident() == self._thread.ident:
@@ -248,38 +295,39 @@ class Runner:
                 "this is called on the thread of the robot's event loop, as predicates are: it "
                 "would wait for itself. Nothing was sent"
             )
+        self._have_loop_call(lambda: call.begin(self._calls))
+
+    def _have_loop_call(self, step: Callable[[], object]) -> None:
+        assert self._soon is not None
         try:
-            portal.start_task_soon(call.run)
-        except RuntimeError as exc:
-            work.close()
-            raise RobotStateError("the robot is being closed: nothing was sent") from exc
+            self._soon(step)
+        except RuntimeError:  # it is closed: nothing runs beside this
+            step()
 
     def _cancel_call(
         self, call: StartedCall[T], undo: Callable[[T], Coroutine[Any, Any, object]] | None
     ) -> None:
-        portal = self._portal
-        if portal is None or threading.get_ident() == self._thread.ident:
+        if self._soon is None or threading.get_ident() == self._thread.ident:
             return
+        undoing: list[StartedCall[object]] = []
 
-        def withdraw() -> None:
-            try:
-                begun = portal.call(call.withdraw)
-            except RuntimeError:  # the loop ends, and with it all work that was begun
+        def cancel() -> None:
+            self._have_loop_call(call.withdraw)
+            call.wait()
+            if not call.answers or undo is None:
                 return
-            if begun:
-                call.wait()
+            if not undoing:
+                undoing.append(StartedCall(undo(call.answers[0]), self))
+            self._have_loop_call(lambda: undoing[0].begin(self._calls))
+            undoing[0].wait()
+            call.error = undoing[0].error
 
-        _uninterrupted(withdraw)
-        if call.answers and undo is not None:
-            undoing = StartedCall(undo(call.answers[0]))
-            portal.start_task_soon(undoing.run)
-            _uninterrupted(undoing.wait)
-            call.error = undoing.error
+        _uninterrupted(cancel)
 
     def forked(self) -> None:
         """In a forked child, where the loop's thread does not run: refuse all calls."""
         self._in_forked_child = True
-        self._portal = None
+        self._soon = None
 
     # The methods below run on the loop.
 
@@ -293,9 +341,15 @@ class Runner:
             self._at_close.remove(work)
 
     async def _main(self) -> None:
-        async with BlockingPortal() as self._portal:
+        # asyncio's own: anyio's takes no task from a callback, which runs in the caller's context
+        async with asyncio.TaskGroup() as calls:
+            self._calls = calls
+            self._soon = asyncio.get_running_loop().call_soon_threadsafe
             self._ready.set()
-            await self._watch()
+            try:
+                await self._watch()
+            finally:
+                self._calls = None
 
     async def _watch(self) -> None:
         main = threading.main_thread()

@@ -14,7 +14,10 @@ import pytest
 from client.bench import Bench
 
 from aioduco.testing import eventually, no_leaks
-from hostile import interrupted
+from hostile import interrupted, interrupted_calls
+
+#: s after which a program counts as hung
+HUNG = 60.0
 
 
 @pytest.fixture
@@ -46,3 +49,30 @@ def test_an_interrupt_anywhere_on_the_way_out(bench: Bench, thorough: bool) -> N
             for each in (*psutil.Process(program.pid).children(), program):
                 each.send_signal(signal.SIGABRT)  # one that hangs says where
             raise
+
+
+@pytest.mark.parametrize("first", range(4))
+def test_two_interrupts_anywhere_in_a_blocking_call(bench: Bench, first: int) -> None:
+    """No lock of a wait is left held, or let go of: the call stops the arm, and the next one works.
+
+    The lines of the standard library count, too: it is there that such locks are.
+    """
+    numbers = range(1 + 3 * first, 240, 12)
+    started = subprocess.Popen(
+        [
+            *(sys.executable, str(Path(interrupted_calls.__file__))),
+            *(bench.host, str(bench.port), *map(str, numbers)),
+        ],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        told, errors = started.communicate(timeout=HUNG)
+    except subprocess.TimeoutExpired:
+        started.send_signal(signal.SIGABRT)  # it says where it hangs
+        told, errors = started.communicate()
+        pytest.fail(f"the program hung; it had told {told!r}:\n{errors}")
+    assert told.splitlines() == ["KeyboardInterrupt False"] * 2 * len(numbers), errors
+    assert started.returncode == 0
+    assert not bench.moving()

@@ -36,6 +36,7 @@ from aioduco._wire.own_connection import OwnConnection
 from aioduco._wire.way_out import WAY_OUT, prepare
 from aioduco.errors import DucoError
 from aioduco.models.host_port import host_port
+from aioduco.supervision.concurrency import every
 from aioduco.supervision.guard.messages import (
     MAX_PACKET,
     Alive,
@@ -186,24 +187,23 @@ class GuardedRobot:
     async def watch_loop(self) -> None:
         """Stop the arm if the event loop hangs, for a robot whose heartbeat's thread does not."""
         limit = self._watch.stall_limit
-        woken, told = boot_time(), 0.0
+        woken = looked = boot_time()
+        told = 0.0
         with self.watching:
-            while True:
-                # keep-alives from before the guard was itself suspended prove nothing
-                due = max(self.liveness.stamp, woken) + limit
-                if (now := boot_time()) < due:
-                    await anyio.sleep(due - now)
-                    if boot_time() - due > limit:
-                        woken = boot_time()
+            async for _ in every(limit / 10):
+                before, looked = looked, boot_time()
+                if looked - before > limit:
+                    woken = looked  # it was itself suspended: keep-alives from before prove nothing
+                stamp = self.liveness.stamp
+                if not self.liveness.moves or told == stamp or looked < max(stamp, woken) + limit:
                     continue
-                if self.liveness.moves and told != self.liveness.stamp:
-                    told = self.liveness.stamp
-                    _log.error("the event loop has not run for %.2f s: the arm is stopped", limit)
-                    try:
-                        await self.stop_channel.stop(ABANDONED_LIMIT)
-                    except DucoError as exc:
-                        _log.critical("the event loop hangs, and %s", exc)
-                await anyio.sleep(limit / 10)
+                told = stamp
+                _log.error("the event loop has not run for %.2f s: the arm is stopped", limit)
+                try:
+                    await self.stop_channel.stop(ABANDONED_LIMIT)
+                except DucoError as exc:
+                    _log.critical("the event loop hangs, and %s", exc)
+                looked = boot_time()
 
     async def aclose(self) -> None:
         """End the heartbeat and close the connections."""

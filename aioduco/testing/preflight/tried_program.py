@@ -98,6 +98,12 @@ class TriedProgram(Trial):
         finally:
             self._clock.call_ends()
 
+    @contextmanager
+    def waiting(self) -> Iterator[Callable[[], object]]:
+        """Let the program's time pass until the thread of the robot has what is waited for."""
+        with self._clock.waiting() as wait:
+            yield lambda: self._clock.wake(wait)
+
     def at_own_pace(self, over: Callable[[], bool]) -> None:
         """Let the program's time pass as the wall clock's."""
         self._clock.stream_begins(over)
