@@ -84,10 +84,11 @@ class OwnerLoop:
             here = asyncio.get_running_loop()
         except RuntimeError:
             here = None
-        if loop is None or loop is here or loop.is_closed():
-            callback()
-        else:
-            loop.call_soon_threadsafe(callback)
+        if loop is not None and loop is not here:
+            with contextlib.suppress(RuntimeError):  # it is closed
+                loop.call_soon_threadsafe(callback)
+                return
+        callback()
 
     def move(self, what: str) -> None:
         """Move to the running loop, since the own loop has been closed.

@@ -14,7 +14,6 @@ Guarantees:
 
 from __future__ import annotations
 
-import asyncio
 import threading
 import time
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
@@ -24,9 +23,10 @@ import anyio
 from aioduco._process import trial
 from aioduco._process.reporting import BackgroundLogger
 from aioduco._wire.forks import fork_hooks
+from aioduco._wire.owner_loop import OwnerLoop
 from aioduco.errors import DucoError, RobotStateError, WrongProcess
 from aioduco.models.ranges import TIMEOUT
-from aioduco.supervision.concurrency import every
+from aioduco.supervision.concurrency import BackgroundTasks, every
 from aioduco.sync._presence import CallTimes
 
 if TYPE_CHECKING:
@@ -55,25 +55,21 @@ class Latch:
         self._set = False
         self._lock = threading.Lock()
         self._lock.acquire()
-        self._note_end: Callable[[], object] | None = None
 
     def set(self) -> None:
         """Set it; on one thread alone."""
         if not self._set:
             self._set = True
-            if self._note_end is not None:
-                self._note_end()
             self._lock.release()
 
     def is_set(self) -> bool:
         """Whether it is set."""
         return self._set
 
-    def wait(self, lost: Callable[[], bool]) -> None:
+    def wait(self, lost: Callable[[], bool] = lambda: False) -> None:
         """Wait until it is set, or until nothing will set it, as `lost` says."""
-        with trial.waiting() as self._note_end:
-            while not self._set and not lost():
-                self._lock.acquire(timeout=_WAKE_EVERY)
+        while not self._set and not lost():
+            self._lock.acquire(timeout=_WAKE_EVERY)
 
 
 class StartedCall(Generic[T]):
@@ -88,17 +84,19 @@ class StartedCall(Generic[T]):
         self._runner = runner
         self._begun = False
         self._scope: anyio.CancelScope | None = None
+        #: tells a trial of the program that the wait is over
+        self._waited: Callable[[], object] | None = None
         self.over: Latch = Latch()
         self.answers: list[T] = []
         self.error: BaseException | None = None
 
-    def begin(self, calls: asyncio.TaskGroup | None) -> None:
+    def begin(self, calls: BackgroundTasks | None) -> None:
         """Begin the work, once, in a task; on the loop. None: it begins no work any more."""
         if self._begun:
             return
         if calls is not None:
             self._begun = True
-            calls.create_task(self._run())
+            calls.start(self._run(), "aioduco-sync call")
         elif not self.over.is_set():
             self.refuse(RobotStateError("the robot is being closed: nothing was sent"))
 
@@ -110,29 +108,33 @@ class StartedCall(Generic[T]):
                 self.answers.append(await self._work)
         # It is raised in the waiting thread: also the end of the program, or a cancellation, that a
         # function of the program asked for, such as a predicate. It would be lost here.
-        except (Exception, SystemExit, KeyboardInterrupt, asyncio.CancelledError) as exc:
+        except (Exception, SystemExit, KeyboardInterrupt, anyio.get_cancelled_exc_class()) as exc:
             self.error = exc
         finally:
-            self._work.close()
-            self.over.set()
+            self._end()
 
     def withdraw(self) -> None:
         """Cancel the work, or prevent its start; on the loop."""
         if self._scope is not None:
             self._scope.cancel()
         elif not self.over.is_set():
-            self._work.close()
-            self.over.set()
+            self._end()
 
     def refuse(self, error: DucoError) -> None:
         """Do not begin the work."""
         self.error = error
+        self._end()
+
+    def _end(self) -> None:
         self._work.close()
+        if self._waited is not None:
+            self._waited()
         self.over.set()
 
     def wait(self) -> None:
         """Wait for the end."""
-        self.over.wait(lambda: not self._runner.running)
+        with trial.waiting() as self._waited:
+            self.over.wait(lambda: not self._runner.running)
         # handed over when the loop had run for the last time
         self.begin(None)
 
@@ -164,22 +166,26 @@ class Runner:
         self._stopped_unheld: set[int] = set()
         #: functions that are awaited after the robot has been closed: the ends of its streams
         self._at_close: list[Callable[[], Awaitable[None]]] = []
-        #: has the loop call something; None before it runs, and in a forked child
-        self._soon: Callable[[Callable[[], object]], object] | None = None
-        #: the tasks of the calls; None before it begins calls, and when it begins no more
-        self._calls: asyncio.TaskGroup | None = None
+        self._loop = OwnerLoop("the robot", moves=False)
+        #: the calls that run; each keeps its own error
+        self._calls = BackgroundTasks(crashed=lambda _: None)
+        #: whether no call begins any more
+        self._closing = False
         self._in_forked_child = False
         fork_hooks.add(self)
         self._ready = Latch()
+        # Not the thread's own: Python 3.11 takes an interrupt of `is_alive` or `join` for its end.
+        self._ended = Latch()
         self._asked_to_end = False
         self._thread = threading.Thread(
-            target=anyio.run, args=(self._main,), name=f"aioduco-sync {robot.host}", daemon=False
+            target=self._run, name=f"aioduco-sync {robot.host}", daemon=False
         )
 
     @property
     def running(self) -> bool:
-        """Whether the loop runs."""
-        return self._thread.is_alive()
+        """Whether the loop runs, or is about to."""
+        started = self._thread.ident is not None and not self._in_forked_child
+        return started and not self._ended.is_set()
 
     def open(self) -> None:
         """Start the thread, and connect."""
@@ -191,8 +197,7 @@ class Runner:
                 self._ready.wait(lambda: not self.running)
                 self.call(self.robot.open())
         except BaseException:
-            self._asked_to_end = True
-            _uninterrupted(self._thread.join)
+            self._wait_for_end()
             raise
 
     def close(self) -> None:
@@ -202,8 +207,12 @@ class Runner:
         try:
             self.call(self.robot.aclose())
         finally:
-            self._asked_to_end = True
-            _uninterrupted(self._thread.join)
+            self._wait_for_end()
+
+    def _wait_for_end(self) -> None:
+        self._asked_to_end = True
+        _uninterrupted(self._ended.wait)
+        _uninterrupted(self._thread.join)
 
     def ask_to_close(self) -> None:
         """Request that the loop closes the robot and ends; do not wait. From any thread."""
@@ -286,7 +295,7 @@ class Runner:
                 "refused, since the robot belongs to the process that forked this one; nothing was "
                 "sent. Open another one in this process"
             )
-        if self._soon is None or not self.running:
+        if not self._ready.is_set() or not self.running:
             work.close()
             raise RobotStateError("the robot is not open: nothing was sent")
         if threading.get_ident() == self._thread.ident:
@@ -295,30 +304,23 @@ class Runner:
                 "this is called on the thread of the robot's event loop, as predicates are: it "
                 "would wait for itself. Nothing was sent"
             )
-        self._have_loop_call(lambda: call.begin(self._calls))
-
-    def _have_loop_call(self, step: Callable[[], object]) -> None:
-        assert self._soon is not None
-        try:
-            self._soon(step)
-        except RuntimeError:  # it is closed: nothing runs beside this
-            step()
+        self._loop.run(lambda: self._begin(call))
 
     def _cancel_call(
         self, call: StartedCall[T], undo: Callable[[T], Coroutine[Any, Any, object]] | None
     ) -> None:
-        if self._soon is None or threading.get_ident() == self._thread.ident:
+        if self._in_forked_child or threading.get_ident() == self._thread.ident:
             return
         undoing: list[StartedCall[object]] = []
 
         def cancel() -> None:
-            self._have_loop_call(call.withdraw)
+            self._loop.run(call.withdraw)
             call.wait()
             if not call.answers or undo is None:
                 return
             if not undoing:
                 undoing.append(StartedCall(undo(call.answers[0]), self))
-            self._have_loop_call(lambda: undoing[0].begin(self._calls))
+            self._loop.run(lambda: self._begin(undoing[0]))
             undoing[0].wait()
             call.error = undoing[0].error
 
@@ -327,7 +329,6 @@ class Runner:
     def forked(self) -> None:
         """In a forked child, where the loop's thread does not run: refuse all calls."""
         self._in_forked_child = True
-        self._soon = None
 
     # The methods below run on the loop.
 
@@ -340,16 +341,26 @@ class Runner:
         if work in self._at_close:
             self._at_close.remove(work)
 
+    def _run(self) -> None:
+        try:
+            anyio.run(self._main)
+        finally:
+            self._ended.set()
+
     async def _main(self) -> None:
-        # asyncio's own: anyio's takes no task from a callback, which runs in the caller's context
-        async with asyncio.TaskGroup() as calls:
-            self._calls = calls
-            self._soon = asyncio.get_running_loop().call_soon_threadsafe
-            self._ready.set()
-            try:
-                await self._watch()
-            finally:
-                self._calls = None
+        self._loop.require("the robot")
+        self._ready.set()
+        try:
+            await self._watch()
+        except BaseException:
+            self._closing = True
+            await self._calls.aclose()
+            raise
+        self._closing = True
+        await self._calls.ended()
+
+    def _begin(self, call: StartedCall[Any]) -> None:
+        call.begin(None if self._closing else self._calls)
 
     async def _watch(self) -> None:
         main = threading.main_thread()

@@ -77,7 +77,8 @@ def main(host: str, port: int, numbers: list[int]) -> None:
         set_latch(latch)
 
     _runner._uninterrupted = watched
-    _runner.Latch.set = ending  # type: ignore[method-assign]
+    latches: Any = _runner.Latch
+    latches.set = ending
     with aioduco.sync.connect(host, port, trace=interruption.look) as robot:
         movej2 = robot.motion.movej2
         moves: tuple[tuple[bool, Callable[..., object]], ...] = (
