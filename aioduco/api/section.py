@@ -22,11 +22,9 @@ from typing import TYPE_CHECKING, Final, TypeVar
 from aioduco._process.copying import Uncopied
 from aioduco._wire.rpc import AsyncRpc
 from aioduco.errors import (
-    ControllerError,
     ParameterError,
     Refused,
     RobotStateError,
-    TaskError,
 )
 from aioduco.models import ranges
 from aioduco.models.enums import Outcome, TaskState
@@ -222,23 +220,15 @@ class Section(Uncopied, ManualNames):
             ending: the function of the wire that ends the mode.
             args: arguments of `ending`.
         """
-        supervisor = self._supervisor
-        modes, follower = supervisor.stop_coordinator.modes, supervisor.stop_coordinator.follower
+        supervisor, command = self._supervisor, Command(call.name, call.args)
+        follower, timeout = supervisor.stop_coordinator.follower, supervisor.settings.call_timeout
         with supervisor.asked_for(call.name):
             before = await follower.error_list()
-            was_on = modes.enter(ending, args)  # before it is sent: from now on a stop ends it
-            try:
-                command = Command(call.name, call.args)
-                timeout = supervisor.settings.call_timeout
-                answer = await supervisor.dispatcher.conduct(
-                    command, supervisor.calls, timeout, (ending, args)
-                )
-                if not _finished(answer):
-                    check_finished(call.name, answer, await follower.new_errors(before))
-            except (TaskError, Refused, ControllerError, RobotStateError):
-                if not was_on:
-                    modes.over(ending)
-                raise
+            answer = await supervisor.dispatcher.conduct(
+                command, supervisor.calls, timeout, (ending, args)
+            )
+        if not _finished(answer):
+            check_finished(call.name, answer, await follower.new_errors(before))
 
     async def _feed(self, call: WireCall[int], ending: str) -> int:
         """Send points that the arm may follow at once, without a task of their own.

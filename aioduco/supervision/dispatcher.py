@@ -22,10 +22,11 @@ import anyio
 import anyio.lowlevel
 
 from aioduco._process.platform import boot_time
-from aioduco.errors import RobotStateError, StopUnconfirmed
+from aioduco.errors import RobotStateError
 from aioduco.models.enums import TaskState
 from aioduco.supervision.concurrency import every, run_to_completion
 from aioduco.supervision.stop_channel import refusal
+from aioduco.supervision.stop_coordinator import taken
 from aioduco.supervision.task import Task
 from aioduco.supervision.task_command import Command
 
@@ -208,20 +209,14 @@ class Dispatcher:
         before = self._last if command.motion else None
         if before is not None:
             before.life.successor_sent()
-        mode: ModeEnding | None = None
-        if command.continuous is not None and command.continuous.mode:
-            mode = command.continuous.ending, (False,)
-        modes = self._coordinator.modes
-        was_on = mode is not None and modes.enter(*mode)
         with self._held(command):
             call: LaneCall | None = None
             try:
                 if command.motion:
                     call, cancelled = await self._coordinator.answered(
-                        *(self._lane, permit, command.name, command.args),
-                        self._settings.call_timeout,
+                        *(self._lane, permit, command, self._settings.call_timeout),
                         followed=True,
-                        mode=mode,
+                        mode=command.continuous.mode if command.continuous else None,
                     )
                 else:
                     call = self._lane.prepare(command.name, command.args)
@@ -233,14 +228,10 @@ class Dispatcher:
                 task = self._accept(
                     command, call.value, accepted_at, permit.stops, errors, deadline, on_cancel
                 )
-            except BaseException as exc:
-                accepted = _accepted(call)
-                unsure = isinstance(exc, StopUnconfirmed) if call is None else not call.answered
-                if mode is not None and not was_on and not unsure and not accepted:
-                    modes.over(mode[0])
+            except BaseException:
                 if before is not None:
                     before.life.successor_refused()
-                if command.motion and accepted:
+                if command.motion and call is not None and taken(call, followed=True):
                     # There was no memory for its task, or a signal's handler raised: the controller
                     # carries it out, and nothing follows it.
                     self._coordinator.unfollowed_motion = True
@@ -248,8 +239,6 @@ class Dispatcher:
                 raise
         if command.motion and self._coordinator.overtaken(permit):
             # The controller may have served the stop first.
-            if mode is not None:
-                modes.enter(*mode)
             _, again = await run_to_completion(self._coordinator.halt)
             cancelled = cancelled or again
         await self._hand_over(task, cancelled)
@@ -280,8 +269,6 @@ class Dispatcher:
             command = await self._prepared(command, permit)
             await anyio.lowlevel.checkpoint_if_cancelled()  # from here to the send is no other
             self._admit(command, permit)
-            if mode is not None:  # again: a stop that it waited for may have ended it
-                self._coordinator.modes.enter(*mode)
         return await self._answer(command, lane, permit, timeout, mode)
 
     async def _answer(
@@ -291,10 +278,12 @@ class Dispatcher:
         permit: Permit,
         timeout: float | None,
         mode: ModeEnding | None,
+        *,
+        enters: bool = True,
     ) -> int:
         """Send what moves the arm without a task, and return its answer; see `conduct`."""
         call, cancelled = await self._coordinator.answered(
-            lane, permit, command.name, command.args, timeout, followed=False, mode=mode
+            lane, permit, command, timeout, followed=False, mode=mode, enters=enters
         )
         if (error := cancelled or call.error) is not None:
             raise error
@@ -338,7 +327,8 @@ class Dispatcher:
         await self._coordinator.modes.leave_overdue(command.name)
         self._admit(command, permit)
         self._gate.resume()
-        return await self._answer(command, lane, permit, self._settings.call_timeout, mode)
+        timeout = self._settings.call_timeout
+        return await self._answer(command, lane, permit, timeout, mode, enters=False)
 
     def adopt(self, command: Command, task_id: int, errors: Sequence[str] = ()) -> Task:
         """Follow a task of a call that, according to the manual, starts no task.
@@ -430,8 +420,3 @@ class Dispatcher:
             self._last = task
         self._coordinator.follower.follow(task)
         return task
-
-
-def _accepted(call: LaneCall | None) -> bool:
-    """Whether the controller carries out a command, as far as is known."""
-    return call is not None and call.answered and call.error is None and not (call.value or 0) < 0

@@ -34,12 +34,12 @@ from aioduco.supervision.gate import PermitEnding
 from aioduco.supervision.motion_sources import Modes
 from aioduco.supervision.rest import bring_to_rest
 from aioduco.supervision.stop_channel import refusal
+from aioduco.supervision.task_command import Command
 from aioduco.supervision.task_follower import END_LIMIT, TaskFollower
 from aioduco.supervision.unanswered import UnansweredMotion
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Collection, Mapping, Sequence
-    from typing import Any
 
     from aioduco._wire.channel import LaneCall
     from aioduco._wire.lane import WireLane
@@ -330,12 +330,12 @@ class StopCoordinator:
         self,
         lane: WireLane,
         permit: Permit,
-        name: str,
-        args: tuple[Any, ...],
+        command: Command,
         timeout: float | None,
         *,
         followed: bool,
         mode: ModeEnding | None = None,
+        enters: bool = True,
     ) -> tuple[LaneCall, BaseException | None]:
         """Send a command that may move the arm, and wait until its result is certain.
 
@@ -347,11 +347,11 @@ class StopCoordinator:
         Args:
             lane: lane on which to send it.
             permit: checked as the last thing before it is sent.
-            name: the function of the wire.
-            args: its arguments.
+            command: the command.
             timeout: seconds for its answer; None if it is answered at the end of the motion.
             followed: whether the caller follows the task of the command, and stops it if necessary.
-            mode: the mode that it enters, as for `Modes.enter`; None if it enters none.
+            mode: the mode in which the arm then moves, as for `Modes.enter`; None if there is none.
+            enters: whether it enters that mode: unless it is refused, a stop ends it from now on.
 
         Returns:
             The command, which is over, and the last cancellation that came meanwhile: the caller
@@ -361,7 +361,9 @@ class StopCoordinator:
             StopUnconfirmed: it is not known that the arm stands, and keeps standing.
         """
         limit = None if timeout is None else timeout + self._settings.unanswered_timeout
-        call = lane.prepare(name, args, limit, self.permits.last_check(permit))
+        call = lane.prepare(command.name, command.args, limit, self.permits.last_check(permit))
+        is_new = mode is not None and enters and not self.modes.enter(*mode)
+        entered = mode[0] if mode is not None and is_new else ""
         self.pending[call] = mode
         interrupt: BaseException | None = None
         try:
@@ -369,7 +371,7 @@ class StopCoordinator:
                 lane.send(call)
             except BaseException as exc:  # what a signal handler raises: some of it may be sent
                 interrupt = exc
-            cancelled = await self._certain(call, permit, timeout, followed=followed)
+            cancelled = await self._certain(call, permit, timeout, entered, followed=followed)
         except BaseException as exc:
             if not isinstance(exc, StopUnconfirmed):
                 # There was no memory, or a signal's handler raised.
@@ -377,14 +379,21 @@ class StopCoordinator:
                 await self._stop_unanswered(call)
             raise
         else:
+            if mode is not None and taken(call, followed=followed) and self.overtaken(permit):
+                self.modes.enter(*mode)  # the stop may have ended it before it was entered
             return call, cancelled or interrupt
         finally:
             del self.pending[call]
 
     async def _certain(
-        self, call: LaneCall, permit: Permit, timeout: float | None, *, followed: bool
+        self, call: LaneCall, permit: Permit, timeout: float | None, entered: str, *, followed: bool
     ) -> BaseException | None:
-        """Wait until the result of a command is certain; `answered` describes it."""
+        """Wait until the result of a command is certain; `answered` describes it.
+
+        Args:
+            call, permit, timeout, followed: see there.
+            entered: what ends the mode that it enters, if that was not on; else empty.
+        """
         cancelled: BaseException | None = None
         if followed:
             _, cancelled = await run_to_completion(lambda: call.wait(timeout))
@@ -407,6 +416,8 @@ class StopCoordinator:
                 call.error = _stopped_on_its_way(call.name, self.gate.ending(permit))
             elif call.error is None and timeout is not None:
                 call.error = OutcomeUnknown(call.name, "it was answered late, and the arm stopped")
+        elif entered and call.answered and not taken(call, followed=followed):
+            self.modes.over(entered)
         _give_up(call)  # the robot was closed meanwhile
         return cancelled
 
@@ -614,9 +625,8 @@ class StopCoordinator:
         # Motions of other programs are resumed, too, and are this program's from now on.
         self.gate.resume()
         lane, timeout = self._channel.others, self._settings.call_timeout
-        call, cancelled = await self.answered(
-            lane, permit, "resume", (False,), timeout, followed=False
-        )
+        command = Command("resume", (False,))
+        call, cancelled = await self.answered(lane, permit, command, timeout, followed=False)
         if (error := cancelled or call.error or refusal("resume", call.value)) is not None:
             raise error
         try:
@@ -684,6 +694,14 @@ class StopCoordinator:
         for task in self.follower.tasks:
             task.release_clock()  # `name` was sent, or the arm was stopped: its time continues
         await self.follower.complete(name, answer, _PAUSE_LIMIT, stops)
+
+
+def taken(call: LaneCall, *, followed: bool) -> bool:
+    """Whether the answer says that a command is carried out: by the id of a task, or its end."""
+    if not call.answered or call.error is not None:
+        return False
+    answer: int = call.value
+    return answer >= 0 if followed else answer == TaskState.FINISHED
 
 
 def _give_up(call: LaneCall) -> None:

@@ -61,9 +61,9 @@ class ContinuousMotion:
     until_commanded: bool = False
 
     @property
-    def mode(self) -> bool:
-        """Whether it is a mode that a stop may leave on, and that its own function ends."""
-        return self.until_commanded and self.ending != "stop"
+    def mode(self) -> tuple[str, tuple[bool, ...]] | None:
+        """For a mode that a stop may leave on: the function that ends it, and its arguments."""
+        return (self.ending, (False,)) if self.until_commanded and self.ending != "stop" else None
 
     @property
     def limit(self) -> float | None:

@@ -19,7 +19,6 @@ from aioduco.errors import (
     Refused,
     RobotStateError,
     StopUnconfirmed,
-    TaskStopped,
 )
 from aioduco.models.enums import Outcome
 from aioduco.supervision.gate import Gate, Permit, PermitEnding
@@ -263,20 +262,14 @@ class Program:
     def conduct(self, command: Command) -> Steps[None]:
         """`Dispatcher.conduct`, as `Section._enter` uses it."""
         permit = self.ask(command)
-        self.note_mode(command)
-        try:
-            yield from self.after_stops(permit)
-            yield from self.leave_overdue()
-            self.admit(permit)
-            pending, cancelled = yield from self.answered(permit, command, followed=False)
-            if cancelled is not None:
-                raise cancelled
-            if pending.error is not None:
-                raise pending.error
-        except (Refused, TaskStopped, RobotStateError):
-            if command in self.modes:
-                self.modes.remove(command)
-            raise
+        yield from self.after_stops(permit)
+        yield from self.leave_overdue()
+        self.admit(permit)
+        pending, cancelled = yield from self.answered(permit, command, followed=False)
+        if cancelled is not None:
+            raise cancelled
+        if pending.error is not None:
+            raise pending.error
 
     # -- commands on their way -------------------------------------------------------------------
 
@@ -285,6 +278,8 @@ class Program:
     ) -> Steps[tuple[Pending, Cancelled | None]]:
         """`StopCoordinator.answered`."""
         pending = Pending(command, permit)
+        if command.kind == MODE:
+            self.note_mode(command)
         self.pending.append(pending)
         self.sent.append(pending)
         self.world.start(f"sender of {command.name}", self.carry_out(pending))
@@ -321,6 +316,8 @@ class Program:
             cancelled = again or cancelled
             if pending.error is None:
                 pending.error = OutcomeUnknown(pending.name, "it was answered late")
+        elif pending.error is not None and pending.command in self.modes:
+            self.modes.remove(pending.command)
         return pending, cancelled
 
     def overtaken(self, permit: Permit) -> bool:

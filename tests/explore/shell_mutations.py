@@ -35,6 +35,7 @@ mend(
     "stop",
     programs.Envelope,
 )(_ends_permits_alone)
+mend("a mode is not noted when it is entered", Modes, "enter", programs.Mode)(lambda *_: False)
 mend(
     "a lost motion is not waited for after the stop", UnansweredMotion, "_certain", programs.Lost, 2
 )(_without_watch)

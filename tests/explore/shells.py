@@ -607,19 +607,12 @@ class Robot:
 
     async def enters(self, name: str) -> None:
         """Enter a mode, as `Section._enter`."""
-        command, modes = self.run[name], self.coordinator.modes
+        command, mode = self.run[name], ("end_realtime_mode", ())
         self.run.ask(command)
-        mode = "end_realtime_mode", ()
-        was_on = modes.enter(*mode)
         async with self._told(command, on=True):
-            try:
-                await self.dispatcher.conduct(
-                    WireCommand("start_realtime_mode", (name,)), self.calls, 2.0, mode
-                )
-            except DucoError as exc:
-                if not was_on and not isinstance(exc, OutcomeUnknown):
-                    modes.over(mode[0])
-                raise
+            await self.dispatcher.conduct(
+                WireCommand("start_realtime_mode", (name,)), self.calls, 2.0, mode
+            )
 
     @contextlib.asynccontextmanager
     async def _told(self, command: Command, *, on: bool = False) -> Any:

@@ -82,7 +82,8 @@ def test_the_end_of_the_task_is_not_the_end_of_the_motion() -> None:
 def test_its_limits() -> None:
     assert MOTION.limit == 3.0  # its time, and two seconds in which it slows down
     assert GUIDING.limit is None
-    assert [held.mode for held in (MOTION, GUIDING, JOG)] == [False, True, False]
+    modes = [held.mode for held in (MOTION, GUIDING, JOG)]
+    assert modes == [None, (GUIDING.ending, (False,)), None]
     assert not ContinuousMotion("stop", until_commanded=True).mode
 
 
