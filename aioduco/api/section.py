@@ -21,11 +21,7 @@ from typing import TYPE_CHECKING, Final, TypeVar
 
 from aioduco._process.copying import Uncopied
 from aioduco._wire.rpc import AsyncRpc
-from aioduco.errors import (
-    ParameterError,
-    Refused,
-    RobotStateError,
-)
+from aioduco.errors import ParameterError, Refused, RobotStateError
 from aioduco.models import ranges
 from aioduco.models.enums import Outcome, TaskState
 from aioduco.models.host_port import host_port

@@ -9,13 +9,7 @@ from aioduco._wire.rpc import calls
 from aioduco.api.points import points_with_outputs
 from aioduco.api.section import Section, check_finished
 from aioduco.api.streams.track import TrackStreams
-from aioduco.errors import (
-    DucoError,
-    OutcomeUnknown,
-    RobotStateError,
-    TaskStopped,
-    TrackPoolFull,
-)
+from aioduco.errors import DucoError, OutcomeUnknown, RobotStateError, TaskStopped, TrackPoolFull
 from aioduco.models import ranges
 from aioduco.models.pose import Joints, Pose
 from aioduco.supervision.gate import PermitEnding

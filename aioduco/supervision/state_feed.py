@@ -20,13 +20,7 @@ import anyio
 
 from aioduco._process import trial
 from aioduco._process.copying import Uncopied
-from aioduco.errors import (
-    DucoError,
-    FeedOverflow,
-    ParameterError,
-    RobotStateError,
-    StaleState,
-)
+from aioduco.errors import DucoError, FeedOverflow, ParameterError, RobotStateError, StaleState
 from aioduco.models.ranges import STATE_RATE
 from aioduco.models.ranges import TIMEOUT as SECONDS
 from aioduco.models.rules import Integer, condition_holds

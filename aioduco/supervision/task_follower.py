@@ -33,12 +33,7 @@ from typing import TYPE_CHECKING
 import anyio
 
 from aioduco._process.reporting import BackgroundLogger
-from aioduco.errors import (
-    ControllerError,
-    DucoError,
-    StopUnconfirmed,
-    TaskUnknown,
-)
+from aioduco.errors import ControllerError, DucoError, StopUnconfirmed, TaskUnknown
 from aioduco.models.enums import Outcome, TaskState
 from aioduco.models.trace import tell
 from aioduco.supervision.concurrency import GRID, Alarm, on_grid, run_to_completion

@@ -65,12 +65,7 @@ class WorkerOptions:
     away_limit: float = 0.25
 
     def __post_init__(self) -> None:
-        from aioduco.models.rules import (  # noqa: PLC0415 - not in a worker
-            Integer,
-            Integers,
-            Number,
-            stored,
-        )
+        from aioduco.models.rules import Integer, Integers, Number, stored  # noqa: PLC0415 - not in a worker
         from aioduco.models.words import one_of  # noqa: PLC0415 - not in a worker
 
         one_of("run_in", self.run_in, ("process", "thread"))
@@ -116,12 +111,7 @@ class Feeding:
     blend: float = 0.1
 
     def __post_init__(self) -> None:
-        from aioduco.models.rules import (  # noqa: PLC0415 - not in a worker
-            Flag,
-            Integer,
-            Number,
-            stored,
-        )
+        from aioduco.models.rules import Flag, Integer, Number, stored  # noqa: PLC0415 - not in a worker
         from aioduco.models.words import one_of  # noqa: PLC0415 - not in a worker
 
         rate = rate_rule()

@@ -22,14 +22,7 @@ from aioduco._wire.failures import resource_error
 from aioduco._wire.forks import fork_hooks
 from aioduco._wire.nonblocking import send_at_once
 from aioduco.errors import GuardLost
-from aioduco.supervision.guard.messages import (
-    MAX_PACKET,
-    Beat,
-    Done,
-    LogMessage,
-    pack,
-    unpack,
-)
+from aioduco.supervision.guard.messages import MAX_PACKET, Beat, Done, LogMessage, pack, unpack
 
 if TYPE_CHECKING:
     from collections.abc import Callable
