@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from abc import abstractmethod
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, Self, TypeAlias, Union, get_args, overload
+from typing import TYPE_CHECKING, Any, Literal, Self, TypeAlias, TypeVar, Union, get_args, overload
 
 from aioduco.errors import Described, ParameterError
 from aioduco.models.numpy_on_use import is_array, is_number, np, number_array, plain
@@ -125,12 +127,34 @@ class _Six(Sequence[float]):
         return self._values()[index]
 
 
+_Kind = TypeVar("_Kind", bound=_Six)
+
+
+def _counted(kind: type[_Kind]) -> type[_Kind]:
+    """Let a class of six numbers tell in its own words that there are more or fewer."""
+    init = kind.__init__
+
+    @functools.wraps(init)
+    def checked(self: _Kind, *values: Any, **named: Any) -> None:
+        given = (*values, *named.values())
+        if len(given) != 6:
+            expected = kind._expected
+            if len(given) == 1:
+                expected += f", one by one; {kind.__name__}.of takes a list, a tuple or an array"
+            raise ParameterError(kind.__name__.lower(), given, expected)
+        init(self, *values, **named)
+
+    kind.__init__ = checked  # type: ignore[assignment]  # of the same signature
+    return kind
+
+
 def _short(value: float) -> str:
     # Micrometres and microradians: finer than any arm, and still readable.
     text = f"{value:.6f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text
 
 
+@_counted
 @dataclass(frozen=True, slots=True, repr=False)
 class Pose(_Six):
     """A position and an orientation (位姿), in the controller's notation.
@@ -148,7 +172,7 @@ class Pose(_Six):
         rz: rotation about z, applied last [rad].
 
     Raises:
-        ParameterError: one of them is not a finite number.
+        ParameterError: there are not six, or one of them is not a finite number.
     """
 
     x: float
@@ -248,9 +272,9 @@ class Pose(_Six):
         """
         order = _order(order)
         values = _finite("quaternion", quaternion, (4,), f"four numbers in the order {order}")
-        length = float(np.linalg.norm(values))
-        if length < 1e-9:
-            raise ParameterError("quaternion", values.tolist(), "not zero")
+        length = math.hypot(*values)
+        if not 1e-9 <= length < math.inf:
+            raise ParameterError("quaternion", values.tolist(), "of a finite norm above zero")
         if order == "xyzw":
             values = np.roll(values, 1)
         return cls.from_rotation(position, matrix_from_quaternion(values / length))
@@ -279,7 +303,8 @@ class Pose(_Six):
 
     def shifted(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Pose:
         """Return this pose shifted along the axes of the frame in which it is given [m]."""
-        return Pose(self.x + x, self.y + y, self.z + z, self.rx, self.ry, self.rz)
+        by = Pose(x, y, z, 0.0, 0.0, 0.0)
+        return Pose(self.x + by.x, self.y + by.y, self.z + by.z, self.rx, self.ry, self.rz)
 
     def interpolate(self, other: PoseLike, t: float) -> Pose:
         """Return a pose between this one and another.
@@ -321,6 +346,7 @@ class Pose(_Six):
         return apart <= position and turned <= rotation
 
 
+@_counted
 @dataclass(frozen=True, slots=True, repr=False)
 class Joints(_Six):
     """Six joint angles (关节角) [rad], base first: an immutable sequence.
@@ -334,7 +360,7 @@ class Joints(_Six):
         j6: angle of joint 6 [rad].
 
     Raises:
-        ParameterError: one of them is not a finite number.
+        ParameterError: there are not six, or one of them is not a finite number.
     """
 
     j1: float
@@ -355,13 +381,10 @@ class Joints(_Six):
     @classmethod
     def deg(cls, *angles: float) -> Self:
         """Make a joint vector from six angles in degrees: `Joints.deg(30, -15, 105, 0, -90, 0)`."""
-        expected = "six joint angles in degrees"
-        if len(angles) != 6:
-            raise ParameterError("angles", angles, expected)
-        try:
-            return cls.of([math.radians(angle) for angle in angles])
-        except TypeError as exc:
-            raise ParameterError("angles", angles, expected) from exc
+        with suppress(OverflowError):  # a whole number, or a fraction, beyond all floats
+            if len(angles) == 6 and all(map(is_number, angles)):
+                return cls(*map(math.radians, angles))
+        raise ParameterError("angles", angles, "six joint angles in degrees, one by one")
 
     @property
     def degrees(self) -> tuple[float, ...]:

@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import overload
+from typing import TYPE_CHECKING, overload
+
+from aioduco.errors import ParameterError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 __all__ = ["deg", "mm"]
 
@@ -21,10 +26,11 @@ def deg(value: float, /, *more: float) -> float | tuple[float, ...]:
 
     Returns:
         The angle [rad], or a tuple of them when several were given.
+
+    Raises:
+        ParameterError: one of them is not a number.
     """
-    if more:
-        return tuple(math.radians(angle) for angle in (value, *more))
-    return math.radians(value)
+    return _each(math.radians, (value, *more), "a number of degrees")
 
 
 @overload
@@ -40,7 +46,21 @@ def mm(value: float, /, *more: float) -> float | tuple[float, ...]:
 
     Returns:
         The length [m], or a tuple of them when several were given.
+
+    Raises:
+        ParameterError: one of them is not a number.
     """
-    if more:
-        return tuple(length / 1000.0 for length in (value, *more))
-    return value / 1000.0
+    return _each(lambda length: length / 1000.0, (value, *more), "a number of millimetres")
+
+
+def _each(
+    convert: Callable[[float], float], values: tuple[float, ...], expected: str
+) -> float | tuple[float, ...]:
+    converted = []
+    for value in values:
+        try:
+            converted.append(convert(value))
+        except (TypeError, OverflowError):  # a list, a text; a number beyond all floats
+            told = f"{expected}; several are given one by one"
+            raise ParameterError("value", value, told) from None
+    return tuple(converted) if len(converted) > 1 else converted[0]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 import pickle
 from typing import Any
@@ -202,6 +203,22 @@ def test_what_is_not_six_finite_numbers_is_refused(kind: type[Pose | Joints], va
         kind.of(values)
 
 
+@pytest.mark.parametrize("kind", [Pose, Joints])
+@pytest.mark.parametrize(
+    "values",
+    [([0.0] * 6,), (np.zeros(6),), ("here",), (), (1, 2, 3), (1, 2, 3, 4, 5, 6, 7)],
+    ids=str,
+)
+def test_a_class_of_six_numbers_tells_that_there_are_not_six(
+    kind: type[Pose | Joints], values: tuple[Any, ...]
+) -> None:
+    with pytest.raises(ParameterError, match="must be six finite numbers") as told:
+        kind(*values)
+    assert (f"{kind.__name__}.of takes a list" in str(told.value)) == (len(values) == 1)
+    assert isinstance(kind.of(range(6)), kind)
+    assert list(inspect.signature(kind).parameters) == list(kind.__slots__)
+
+
 def test_a_pose_is_not_taken_for_joints_nor_joints_for_a_pose() -> None:
     with pytest.raises(ParameterError, match=r"the joint angles \[rad\]"):
         Joints.of(Pose(0, 0, 0, 0, 0, 0))
@@ -268,7 +285,7 @@ def test_what_is_no_homogeneous_matrix_is_refused(matrix: Any) -> None:
 
 
 def test_what_is_no_quaternion_is_refused() -> None:
-    for quaternion in ([0, 0, 0, 0], [1, 0, 0], [1, 0, 0, math.nan]):
+    for quaternion in ([0, 0, 0, 0], [1, 0, 0], [1, 0, 0, math.nan], [1e308] * 4):
         with pytest.raises(ParameterError, match="quaternion"):
             Pose.from_quaternion((0, 0, 0), quaternion, "wxyz")
     with pytest.raises(ParameterError, match='"wxyz" or "xyzw"'):
@@ -291,19 +308,29 @@ def test_degrees_and_millimetres_at_the_edge() -> None:
     assert deg(90, -90) == (math.pi / 2, -math.pi / 2)
     assert mm(250) == 0.25
     assert mm(1, 2, 3) == (0.001, 0.002, 0.003)
+    for convert in (deg, mm):
+        for wrong in ("90", [90, 90], None, 10**400):
+            with pytest.raises(ParameterError, match=r"value is .* several are given one by one"):
+                convert(wrong)  # type: ignore[arg-type]  # refused
+            with pytest.raises(ParameterError, match="value is"):
+                convert(1, wrong)  # type: ignore[arg-type]  # refused
     joints = Joints.deg(10, 20, 30, 40, 50, 60)
     assert joints.degrees == pytest.approx((10, 20, 30, 40, 50, 60))
     assert joints == Joints(*deg(10, 20, 30, 40, 50, 60))
     with pytest.raises(ParameterError, match=r"angles is \(1, 2, 3\), but must be .* in degrees"):
         Joints.deg(1, 2, 3)
-    with pytest.raises(ParameterError, match="six joint angles in degrees"):
-        Joints.deg(1, 2, 3, 4, 5, "6")  # type: ignore[arg-type]  # the wrong type is the point
+    for wrong in ("6", True, 10**400, [6]):
+        with pytest.raises(ParameterError, match="six joint angles in degrees"):
+            Joints.deg(1, 2, 3, 4, 5, wrong)  # type: ignore[arg-type]  # refused
 
 
 def test_shifted_moves_along_the_axes_of_the_frame() -> None:
     pose = Pose(0.1, 0.2, 0.3, 1, 2, 3)
     assert pose.shifted(z=0.1) == Pose(0.1, 0.2, 0.4, 1, 2, 3)
     assert pose.shifted(1, 2).position.tolist() == [1.1, 2.2, 0.3]
+    for wrong in ("1", math.nan, 10**400):
+        with pytest.raises(ParameterError, match="y is"):
+            pose.shifted(0, wrong)  # type: ignore[arg-type]  # refused
 
 
 def test_joints_know_how_far_apart_they_are() -> None:
