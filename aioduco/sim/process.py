@@ -10,6 +10,7 @@ from aioduco._process.linked_process import LinkedProcess
 from aioduco._process.spawn import MUJOCO_PACKAGES, Unstartable
 from aioduco.models.controller_clock import ScaledClock
 from aioduco.models.host_port import host_port
+from aioduco.sim.spawn_options import packed
 
 if TYPE_CHECKING:
     import subprocess
@@ -31,6 +32,9 @@ class SimulatorProcess(Startable):
     Args:
         options: arguments of `Simulator`.
 
+    Raises:
+        ParameterError: one of them cannot be sent to another process, as a function cannot.
+
     Attributes:
         host: address on which the simulator listens.
         port: its TCP port.
@@ -43,6 +47,7 @@ class SimulatorProcess(Startable):
 
     def __init__(self, options: dict[str, Any]) -> None:
         self._options = options
+        self._packed = packed(options)
         self._linked: LinkedProcess | None = None
         self._asking = threading.Lock()
         self.host: str = ""
@@ -88,7 +93,9 @@ class SimulatorProcess(Startable):
         """Start the process and wait until it listens.
 
         Raises:
-            ValueError: An argument is wrong, as `Simulator` says.
+            ValueError: An argument is wrong, as `Simulator` says; or it is of a class, or a
+                function, that only this program has.
+            OSError: It cannot listen on the address.
             RuntimeError: It could not be started, it ended before it listened, or it timed out. Or
                 it is running already.
         """
@@ -100,7 +107,7 @@ class SimulatorProcess(Startable):
             raise RuntimeError(f"the simulator's process was not started: {error}") from error
         self._linked, self.process = linked, linked.popen
         try:
-            linked.channel.send(self._options)
+            linked.channel.send(self._packed)
             ready = linked.channel.receive(_START)
         except TimeoutError:
             self.close()
@@ -114,7 +121,7 @@ class SimulatorProcess(Startable):
         except BaseException:
             self.close()
             raise
-        if isinstance(ready, ValueError):
+        if isinstance(ready, ValueError | OSError):
             self.close()
             raise ready
         self.host, self.port = ready["host"], ready["port"]

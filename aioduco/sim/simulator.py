@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import atexit
 import contextlib
+import inspect
 import math
 import threading
 from collections.abc import Mapping
@@ -298,14 +299,22 @@ class Simulator(OperatorActions, PartFaults, ArmPictures, Startable):
         """Run a simulator in a process of its own.
 
         Args:
-            options: arguments of `Simulator`: only numbers, texts and lists, apart from scenes and
-                tools.
+            options: arguments of `Simulator` without `on_shutdown`: only numbers, texts and lists,
+                apart from scenes and tools.
 
         Returns:
             A context manager that gives the running process with its `host` and `port`.
+
+        Raises:
+            ParameterError: one of them cannot be sent to another process, as a function cannot.
+            TypeError: there is no such argument.
         """
         from aioduco.sim.process import SimulatorProcess  # noqa: PLC0415 - it names this class
 
+        if "on_shutdown" in options:
+            left_out = "left out; `process.wait()` returns after a shutdown"
+            raise ParameterError("on_shutdown", options["on_shutdown"], left_out)
+        inspect.signature(Simulator).bind(**options)
         if trial.current is not None:  # here it is tried; it has the same attributes and methods
             return cast("SimulatorProcess", Simulator(**options))
         for name in options.keys() & {"scene", "tool"}:

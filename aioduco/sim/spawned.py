@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from aioduco._process.linked_process import ValueChannel
 from aioduco.sim.simulator import Simulator
+from aioduco.sim.spawn_options import unpacked
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -88,8 +89,8 @@ def main(arguments: list[str]) -> int:
 
     with contextlib.suppress(EOFError, ConnectionError):  # the program has ended meanwhile
         try:
-            serve(channel.receive(), announce, channel, answer)
-        except ValueError as error:  # an argument of the simulator
+            serve(unpacked(channel.receive()), announce, channel, answer)
+        except (ValueError, OSError) as error:  # of an argument of the simulator
             if announced:
                 raise
             channel.send(error)

@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import json
+import math
 import signal
 import subprocess
 import sys
+import threading
+from collections.abc import Generator
+from types import ModuleType
+from typing import Any
 
 import psutil
 import pytest
 
 from aioduco.errors import ParameterError, SceneError
+from aioduco.sim.cabinet.script import Call
 from aioduco.sim.simulator import Simulator
 
 from .conftest import Connect
@@ -65,6 +71,49 @@ def test_a_process_that_cannot_start_says_why() -> None:
     scene = "<mujoco><worldbody><geom/></worldbody></mujoco>"
     with pytest.raises(SceneError, match="scene"), Simulator.spawn(scene=scene):
         pass
+
+
+def _program() -> Generator[Call, Any, None]:
+    yield "movej2", ()
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        ({"programs": {"a": lambda: [*_program()]}}, "programs is .*lists of calls or in a folder"),
+        ({"values": {"a": threading.Lock()}}, "values is .*must be what another process"),
+        ({"on_shutdown": print}, "on_shutdown is .*process.wait"),
+    ],
+)
+def test_what_no_other_process_can_have_is_refused(options: dict[str, Any], told: str) -> None:
+    with pytest.raises(ParameterError, match=told):
+        Simulator.spawn(**options)
+
+
+def test_an_unknown_option_is_refused() -> None:
+    with pytest.raises(TypeError, match="spede"):
+        Simulator.spawn(spede=1.0)
+
+
+def test_what_only_the_program_can_import_is_refused_by_name(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    module = ModuleType("of_this_program")
+    module.__dict__["_program"] = _program
+    monkeypatch.setitem(sys.modules, module.__name__, module)
+    monkeypatch.setattr(_program, "__module__", module.__name__)
+    process = Simulator.spawn(programs={"a": _program}, speed=math.inf)
+    with pytest.raises(ParameterError, match="programs is something that only your program has"):
+        process.start()
+    assert process.process.returncode == 0
+
+
+def test_an_address_of_another_computer_is_refused_as_in_this_process() -> None:
+    with pytest.raises(OSError, match="assign requested address") as here:
+        Simulator(host="192.0.2.9").start()
+    with pytest.raises(OSError, match="assign requested address") as there:
+        Simulator.spawn(host="192.0.2.9").start()
+    assert here.value.errno == there.value.errno
 
 
 @pytest.mark.slow
