@@ -55,6 +55,7 @@ class Gripper(GripperCalls):
         """Read the gripper's state, and keep polling it. Nothing moves.
 
         Raises:
+            GripperError: it was started before, and not shut down.
             ModbusError: the gripper does not answer as it should.
         """
         self._runner.call(self._made.start(), undo=lambda _: self._made.aclose())

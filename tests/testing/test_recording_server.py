@@ -42,6 +42,15 @@ def test_answers_as_it_was_told_and_remembers() -> None:
     assert len({call.thread for call in server.received()}) == 1
 
 
+def test_a_server_listens_once_at_a_time() -> None:
+    with no_leaks():
+        server = RecordingServer()
+        with server, pytest.raises(RuntimeError, match="listens already"):
+            server.__enter__()
+        with server:
+            pass
+
+
 def test_knows_the_functions_of_the_wire() -> None:
     with pytest.raises(KeyError, match="no function 'movej3'"):
         RecordingServer({"movej3": 1})

@@ -117,7 +117,8 @@ class PolledGripper(Uncopied, ABC):
         self._state: GripperState | None = None
         self._lock = anyio.Lock()
         self._background = BackgroundTasks(self._poll_failed)
-        self._held = self._lost = self._going = self._silent = self._ended = False
+        self._held = self._lost = self._going = self._silent = False
+        self._started = self._ended = False
         #: why the last poll failed; None if it did not
         self._failure: Exception | None = None
 
@@ -156,10 +157,17 @@ class PolledGripper(Uncopied, ABC):
         """Read the gripper's state, and keep polling it. Nothing moves.
 
         Raises:
+            GripperError: it was started before, and not closed.
             ModbusError: the gripper does not answer as it should.
         """
-        self._ended = False
-        await self.read()
+        if self._started:
+            raise GripperError(f"{self} is started already, and polled. Nothing was sent")
+        self._started, self._ended = True, False
+        try:
+            await self.read()
+        except BaseException:
+            self._started = False
+            raise
         name = f"aioduco gripper {self._model.name}"
         self._background.start(self._watch(), name)
         self._background.start(self._watch_age(), f"{name} age")
@@ -170,7 +178,7 @@ class PolledGripper(Uncopied, ABC):
 
         From then on it takes no commands but `halt`; a movement of another task goes on.
         """
-        self._ended = True
+        self._started, self._ended = False, True
         await self._background.aclose()
 
     async def __aenter__(self) -> Self:

@@ -65,10 +65,13 @@ class InputDevice(Uncopied):
         """Open it.
 
         Raises:
-            ParameterError: there is no such device, it may not be read, or the system is not Linux.
+            ParameterError: there is no such device, it may not be read, the system is not Linux, or
+                it is open already.
         """
         _require_files(self._path)
         if self._path is not None:
+            if self._descriptor >= 0:
+                raise ParameterError("device", repr(self), "closed: it is open already")
             try:
                 self._descriptor = os.open(self._path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
             except OSError as exc:

@@ -78,7 +78,10 @@ class Server:
 
         Raises:
             OSError: The server cannot listen on the address, for instance if the port is in use.
+            RuntimeError: It listens already.
         """
+        if self._acceptor is not None:
+            raise RuntimeError(f"this server listens already, on {host_port(self.host, self.port)}")
         idl.functions()  # parse the IDL before a first client has to wait for that
         family = socket.getaddrinfo(self.host, self.port, type=socket.SOCK_STREAM)[0][0]
         listener = socket.create_server((self.host, self.port), family=family, backlog=512)

@@ -212,6 +212,21 @@ async def test_a_sample_from_before_a_movement_does_not_say_how_it_ended() -> No
                 await gripper.close()
 
 
+async def test_a_gripper_is_polled_once_however_often_it_is_started() -> None:
+    hand = Hand()
+    async with hand:
+        polls = len(hand._background)
+        with pytest.raises(errors.GripperError, match=r"is started already.* Nothing was sent"):
+            await hand.start()
+        assert len(hand._background) == polls
+    answer_nothing(hand)
+    with pytest.raises(errors.ModbusTimeout):
+        await hand.start()
+    hand.error = None
+    async with hand:  # neither its end nor a start that failed counts
+        assert len(hand._background) == polls
+
+
 def test_a_program_that_waits_notices_it_between_motions() -> None:
     with (
         Bench() as bench,

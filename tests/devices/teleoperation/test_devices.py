@@ -30,7 +30,7 @@ from aioduco.devices.teleoperation.reading import STANDING
 from aioduco.devices.teleoperation.spacemouse import SpaceMouse
 from aioduco.errors import ParameterError
 from aioduco.kinematics import arm
-from aioduco.testing import eventually
+from aioduco.testing import eventually, no_leaks
 
 READY = [0.0, 0.0, 1.57, 0.0, -1.57, 0.0]
 
@@ -283,6 +283,17 @@ def test_an_empty_name_of_a_device_is_not_another_device() -> None:
     """A variable of a script that is not set."""
     for kind in ("gamepad", "spacemouse"):
         with pytest.raises(ParameterError, match="device is ''"), open_device(kind, ""):
+            pass
+
+
+def test_a_device_is_opened_once_at_a_time(tmp_path: Path) -> None:
+    path = tmp_path / "device"
+    path.touch()
+    with no_leaks():
+        device = SpaceMouseDevice(path)
+        with device, pytest.raises(ParameterError, match="open already"):
+            device.__enter__()
+        with device:
             pass
 
 
