@@ -607,7 +607,7 @@ def test_a_preflight_of_a_wrong_cell_runs_nothing(tmp_path: Path) -> None:
 NOBODY = "127.0.0.1:1"
 
 
-@pytest.mark.cases(14)
+@pytest.mark.cases(16)
 @pytest.mark.parametrize(
     ("words", "code", "says"),
     [
@@ -628,6 +628,8 @@ NOBODY = "127.0.0.1:1"
         (f"tap {NOBODY} --only movej3,", 2, "is not known"),
         (f"tap {NOBODY} --only ,", 2, "'' is not known"),
         ("call no_such_function", 2, "no_such_function"),
+        ("call rpc_heartbeat", 2, "each command sends it by itself"),
+        ("call move_jog 1 --port 1", 2, "`aioduco jog` carries it out"),
         ("call get_tcp_pose --port 1", 1, NOBODY),
         ("call movej2 [0,0,0,0,0,0] v=1 v=2 a=1 --port 1", 2, "v is given twice: 1 and 2"),
         ("call movel 3 --port 1", 2, "missing a required argument: 'v'"),

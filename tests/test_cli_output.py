@@ -96,13 +96,17 @@ def test_each_command_prints_by_these_functions_alone() -> None:
 def test_warnings_and_tracebacks_of_a_command_are_shown_not_carried_out() -> None:
     program = (
         "import logging, aioduco.cli.output as o; o.guard_streams()\n"
-        "logging.getLogger('aioduco.x').warning('told %s', '\\x1b]0;pwned\\x07')\n"
+        "log = logging.getLogger('aioduco.x')\n"
+        "log.warning('told %s', '\\x1b]0;pwned\\x07')\n"
+        "try: robot.motion.movel()\n"
+        "except NameError: log.exception('call robot.recover(), then robot.motion.movel')\n"
         "raise RuntimeError('\\x1b[2J')\n"
     )
     ended = python("-c", program, env={**os.environ, "PYTHONIOENCODING": "utf-8"})
     assert ended.returncode == 1
     assert "told \\x1b]0;pwned" in ended.stderr
     assert "RuntimeError: \\x1b[2J" in ended.stderr
+    assert "call `aioduco recover`, then `aioduco call movel`\nTraceback" in ended.stderr
     assert harmless(ended.stderr)
     assert logging.lastResort is not None
 

@@ -251,9 +251,9 @@ def test_an_arm_is_brought_up_and_recovered_once_that_is_confirmed() -> None:
         sim.collide(3)
         again = run("bring-up", at(sim), "--yes", "--json")
         assert again.exit_code == 0, again.stderr
-        assert (
-            "After the collision it may still touch something" in json.loads(again.stdout)["advice"]
-        )
+        advice = json.loads(again.stdout)["advice"]
+        assert "After the collision it may still touch something" in advice
+        assert "by `aioduco call fc_force_set_value`" in advice
         assert "tare again with nothing touched" in again.stderr
         assert sim.view.robot.name == "ENABLE"
 

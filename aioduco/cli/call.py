@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import json as json_module
 import re
-from typing import Annotated, Any
+from typing import Annotated, Any, Final
 
 import typer
 
@@ -18,12 +18,21 @@ from aioduco.cli.sessions import limits_at
 from aioduco.models.similar import did_you_mean
 
 
+#: function of the manual that is no call here -> what a user of commands has instead
+_INSTEAD: Final = {
+    **dict.fromkeys(("DucoCobot", "open", "close"), "each command connects and disconnects itself"),
+    "rpc_heartbeat": "each command sends it by itself while it moves the arm",
+    "get_version": "`aioduco --version` shows it",
+    "move_jog": "`aioduco jog` carries it out",
+}
+
+
 def _functions(incomplete: str) -> list[str]:
     """Names of functions, for the shell's completion."""
     from aioduco._wire import idl  # noqa: PLC0415
-    from aioduco.models.names import BY_ITSELF, SPELLINGS  # noqa: PLC0415
+    from aioduco.models.names import SPELLINGS  # noqa: PLC0415
 
-    names = {*SPELLINGS, *idl.names()} - BY_ITSELF.keys()
+    names = {*SPELLINGS, *idl.names()} - _INSTEAD.keys()
     return sorted(name for name in names if name.startswith(incomplete))
 
 
@@ -67,6 +76,8 @@ def call(
     from aioduco.models.names import SPELLINGS, place  # noqa: PLC0415
 
     where = place(name)
+    if name in _INSTEAD and not (describe and where):
+        raise typer.BadParameter(f"{name} is not called here: {_INSTEAD[name]}")
     if where is None:
         raise typer.BadParameter(
             f"no function of the robot is called {name}; docs/functions.md lists all of them"

@@ -24,13 +24,6 @@ NOT_CONFIRMED: Final = 3
 STOP_UNCONFIRMED: Final = 4
 #: a person has to do something at the arm first; the message says what
 PERSON_NEEDED: Final = 5
-#: function of the robot that errors and advice name -> the command for it
-_COMMANDS: Final = {
-    **{name: f"`aioduco {name}`" for name in ("recover", "stop", "pause", "resume")},
-    "bring_up": "`aioduco bring-up`",
-    "rearm_heartbeat": "`aioduco recover`",
-    "fc_force_set_value": "`aioduco call fc_force_set_value`",
-}
 #: plus the number of the signal that ended the command: 130 for Ctrl-C
 SIGNALLED: Final = 128
 
@@ -51,16 +44,16 @@ class Terminated(KeyboardInterrupt):
 
 def say_error(told: object) -> None:
     """Print an error or advice of the robot, with commands in place of its functions."""
-    from aioduco.models.user_terms import in_terms_of  # noqa: PLC0415 - quick help
+    from aioduco.cli.command_terms import in_commands  # noqa: PLC0415 - quick stop
 
-    say(in_terms_of(_COMMANDS, str(told)), error=True)
+    say(in_commands(told), error=True)
 
 
 def fail(message: object, code: int = FAILED) -> NoReturn:
     """End the command with a message on the standard error, and an exit code."""
     import typer  # noqa: PLC0415 - not for `aioduco stop`, which is to be quick
 
-    say(message, error=True)
+    say_error(message)
     raise typer.Exit(code)
 
 

@@ -135,7 +135,12 @@ def drop_unwritten() -> None:
 
 
 class _ShownFormatter(logging.Formatter):
-    """Log messages without control characters."""
+    """Log messages without control characters, with commands in place of the robot's functions."""
+
+    def formatMessage(self, record: logging.LogRecord) -> str:  # noqa: N802 - of the base class
+        from aioduco.cli.command_terms import in_commands  # noqa: PLC0415 - quick stop
+
+        return in_commands(super().formatMessage(record))
 
     def format(self, record: logging.LogRecord) -> str:
         return shown(super().format(record))

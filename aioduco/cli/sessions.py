@@ -6,7 +6,7 @@ import time
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Final
 
-from aioduco.cli.exit_codes import Terminated, ended_by_errors
+from aioduco.cli.exit_codes import Terminated, ended_by_errors, say_error
 from aioduco.cli.output import say
 
 if TYPE_CHECKING:
@@ -103,7 +103,7 @@ def wait_until_ended(
             if (error is not None and time.monotonic() - silent_since > _SILENT) != silent:
                 silent = not silent
                 said = f"the controller does not answer: {error}" if silent else "it answers again"
-                say(said, error=True)
+                say_error(said)
     except Terminated:
         raise
     except KeyboardInterrupt:

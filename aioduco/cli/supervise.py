@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from aioduco.cli.addresses import CellFile, Host, Port, RobotAddress, robot_at
+from aioduco.cli.command_terms import in_commands
 from aioduco.cli.exit_codes import fail, say_error
 from aioduco.cli.options import Yes
 from aioduco.cli.output import plain, print_json, say
@@ -142,7 +143,7 @@ def resume(
 def _ready(address: RobotAddress, report: RecoverReport, as_json: bool) -> None:
     """Print the states of an arm that can move, and what to do before forces are measured."""
     if as_json:
-        print_json(plain(report.states) | {"advice": report.advice})
+        print_json(plain(report.states) | {"advice": in_commands(report.advice)})
     else:
         say(f"{address}: ready; {report.states}")
     if report.advice:

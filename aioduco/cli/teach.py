@@ -9,6 +9,7 @@ import typer
 
 from aioduco.cli.addresses import CellFile, Host, Port, robot_at
 from aioduco.cli.cell_file import load_cell
+from aioduco.cli.exit_codes import say_error
 from aioduco.cli.options import Guide, refuse_unused, require_writable
 from aioduco.cli.output import say
 from aioduco.cli.questions import ask
@@ -164,4 +165,4 @@ def _keep(robot: Robot, store: _Waypoints | _CellPoints) -> None:
             try:
                 say(f"{name}: {store.store(name, robot)}")
             except ParameterError as error:  # of the name; the arm is still guided
-                say(f"not stored: {error}", error=True)
+                say_error(f"not stored: {error}")

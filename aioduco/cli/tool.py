@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from aioduco.cli.addresses import CellFile, Host, Port, robot_at
-from aioduco.cli.exit_codes import ended_by_errors, fail
+from aioduco.cli.exit_codes import ended_by_errors, fail, say_error
 from aioduco.cli.options import Guide, Json, Yes, refuse_unused
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import ask, typed_line
@@ -154,7 +154,7 @@ def _touched(robot: Robot, least: int) -> ToolTip:
                 tip = calibrate_tool_tip(poses)
                 say(_tip_line(tip), error=True)
             except CalibrationError as error:
-                say(error, error=True)
+                say_error(error)
 
 
 def _axes(robot: Robot, tip: ToolTip) -> ToolAxes:
@@ -168,7 +168,7 @@ def _axes(robot: Robot, tip: ToolTip) -> ToolAxes:
         try:
             return calibrate_tool_axes(tip, ahead, robot.state.get_flange_pose())
         except CalibrationError as error:
-            say(error, error=True)
+            say_error(error)
 
 
 def _line(question: str) -> str:

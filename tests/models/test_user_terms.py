@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import logging
+import sys
+
 import pytest
 
 import aioduco
-from aioduco.cli import exit_codes
+from aioduco.cli.command_terms import COMMANDS, in_commands
 from aioduco.integrations.panel.panel import _BUTTONS
 from aioduco.integrations.ros.trajectory_goals import _IN_PLACE_OF, said
 from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState
 from aioduco.models.names import place
 from aioduco.models.state import RobotStates
-from aioduco.models.user_terms import in_terms_of
+from aioduco.models.user_terms import TermsFormatter, in_terms_of
 from aioduco.supervision.bringup import BringUp, RecoverReport
 
 
@@ -38,7 +41,7 @@ def test_functions_are_replaced_and_nothing_else_is() -> None:
         assert in_terms_of(names, text) == (told or text)
 
 
-@pytest.mark.parametrize("names", [_IN_PLACE_OF, exit_codes._COMMANDS, _BUTTONS])
+@pytest.mark.parametrize("names", [_IN_PLACE_OF, COMMANDS, _BUTTONS])
 def test_every_door_names_what_it_has(names: dict[str, str]) -> None:
     assert all(place(name) or hasattr(aioduco.Robot, name) for name in names)
     told = ["the event loop hung; call robot.rearm_heartbeat() or robot.recover() to go on"]
@@ -52,3 +55,22 @@ def test_every_door_names_what_it_has(names: dict[str, str]) -> None:
         assert "robot." in text
         assert "robot." not in in_terms_of(names, text)
     assert said(told[0]) == "the event loop hung; call ~/recover to go on"
+
+
+def test_the_user_of_commands_has_one_for_each_function_of_the_manual() -> None:
+    assert in_commands("robot.motion.movel(...), get_tcp_pose() or robot.force.fc_start") == (
+        "`aioduco call movel`(...), `aioduco call get_tcp_pose` or `aioduco call fc_start`"
+    )
+    assert in_commands("robot.rearm_heartbeat() or robot.recover()") == "`aioduco recover`"
+
+
+def test_log_messages_are_in_these_terms_and_tracebacks_stay() -> None:
+    try:
+        robot_recover()  # type: ignore[name-defined]  # raises
+    except NameError:
+        record = logging.LogRecord(
+            "aioduco", logging.ERROR, "", 1, "call robot.%s()", ("recover",), sys.exc_info()
+        )
+    told = TermsFormatter(lambda text: in_terms_of({"recover": "HELP"}, text)).format(record)
+    assert told.startswith("call HELP\nTraceback")
+    assert "robot_recover()" in told

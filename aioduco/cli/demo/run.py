@@ -12,6 +12,7 @@ import typer
 
 import aioduco
 from aioduco.cli import extras
+from aioduco.cli.command_terms import in_commands
 from aioduco.cli.demo import session, view
 from aioduco.cli.demo.report import Report
 from aioduco.cli.demo.script import GRIPPER_NAME, Choreography, scene
@@ -112,7 +113,9 @@ def run_planned(
         with Simulator.spawn(model=model, joints=left, scene=[board]) as sim:
             steps = anyio.run(planned.perform_plans, sim, arm, console, pictures)
     except DucoError as error:
-        console.print(f"error: {error}", style="bold red", markup=False, highlight=False)
+        console.print(
+            f"error: {in_commands(error)}", style="bold red", markup=False, highlight=False
+        )
         raise typer.Exit(1) from None
     if result is not None:
         _put({"model": model, "steps": [step._asdict() for step in steps]}, result)

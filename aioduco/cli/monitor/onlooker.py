@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import anyio
 
+from aioduco.cli.command_terms import in_commands
 from aioduco.cli.monitor.keyboard import Key, wait_for_keys
 from aioduco.cli.monitor.view_state import EventLine, MonitorState, history_point
 from aioduco.cli.output import OutputFailed
@@ -50,7 +51,7 @@ class LogLines(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """Add a line; called on the thread that logs it."""
-        self._events.append(EventLine(_clock(), record.getMessage(), "warning"))
+        self._events.append(EventLine(_clock(), in_commands(record.getMessage()), "warning"))
 
 
 class MonitorClient:
@@ -133,7 +134,7 @@ class MonitorClient:
         try:
             done = await step()
         except DucoError as error:
-            line = EventLine(_clock(), f"{key.value} failed: {error}", "alarm")
+            line = EventLine(_clock(), f"{key.value} failed: {in_commands(error)}", "alarm")
         else:
             line = EventLine(_clock(), "nothing was paused" if done is False else said, "good")
         self._doing.remove(key)
@@ -189,7 +190,7 @@ class MonitorClient:
 
 def event_line(at: str, event: Event) -> EventLine:
     """An event as one line: its name in words, and its text."""
-    return EventLine(at, event.line(), event.severity)
+    return EventLine(at, in_commands(event.line()), event.severity)
 
 
 async def _asked(ask: Callable[[], Awaitable[Any]]) -> Any:

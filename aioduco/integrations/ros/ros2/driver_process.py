@@ -27,6 +27,8 @@ from aioduco.errors import DucoError, ParameterError
 from aioduco.integrations.ros.node_parameters import NodeError
 from aioduco.integrations.ros.ros2._driver_node import DriverNode
 from aioduco.integrations.ros.shutdown import cancel_on_signal
+from aioduco.integrations.ros.trajectory_goals import said
+from aioduco.models.user_terms import TermsFormatter
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -41,7 +43,7 @@ _log = BackgroundLogger(__name__)
 
 
 class _RosLog(logging.Handler):
-    """Forwards the package's log to the log of ROS, and so to /rosout.
+    """Forwards the package's log to the log of ROS, and so to /rosout, in the terms of services.
 
     rclpy's logger may block for some tenths of a second. It holds up nothing but the thread that
     writes the log, which drops and counts messages if too many are waiting.
@@ -49,6 +51,7 @@ class _RosLog(logging.Handler):
 
     def __init__(self, logger: Any) -> None:
         super().__init__()
+        self.setFormatter(TermsFormatter(said))
         self._logger = logger
 
     def emit(self, record: logging.LogRecord) -> None:
