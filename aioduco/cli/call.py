@@ -17,7 +17,6 @@ from aioduco.cli.questions import ask
 from aioduco.cli.sessions import limits_at
 from aioduco.models.similar import did_you_mean
 
-
 #: function of the manual that is no call here -> what a user of commands has instead
 _INSTEAD: Final = {
     **dict.fromkeys(("DucoCobot", "open", "close"), "each command connects and disconnects itself"),
