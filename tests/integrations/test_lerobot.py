@@ -72,6 +72,8 @@ def test_an_action_in_degrees_is_refused_and_moves_nothing(duco: Any) -> None:
     ):
         with pytest.raises(ParameterError, match=f"{key} is {angle}, .*not degrees.*nothing"):
             duco.send_action({**seen, key: angle})
+    with pytest.raises(ParameterError, match="a number for each"):
+        duco.send_action({**seen, "joint_3.pos": 10**400})
     assert duco.statistics() is None  # no stream was opened
 
 

@@ -307,6 +307,12 @@ def test_links_out_of_the_folder_are_refused(tmp_path: Path) -> None:
         ('[["sleep", -1]]', "sleep takes a time"),
         ('[["movej2", [], 1, 1, 0, true, {"jump": 1}]]', "Op has no 'jump'"),
         ('[["movej2", [], 1, 1, 0, true, 5]]', "movej2: op is 5, but must be a mapping"),
+        ('[["movej2", null, 1, 1]]', "movej2: joints_list is None, but must be a list"),
+        ('[["movej2", [0, "1"], 1, 1]]', r"movej2: joints_list\[1\] is '1', but must be a finite"),
+        ('[["movej2", [], NaN, 1]]', "movej2: v is nan, but must be a finite number"),
+        (f'[["movej2", [], 1{"0" * 400}, 1]]', "movej2: v is 10+, but must be a finite number"),
+        ('[["write_word_reg", 1, 1.5]]', "value is 1.5, but must be a whole number"),
+        ('[["set_system_value_str", "a", 3]]', "value is 3, but must be a text"),
     ],
 )
 def test_a_file_that_is_no_program(tmp_path: Path, content: str, message: str) -> None:

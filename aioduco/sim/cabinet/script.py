@@ -27,6 +27,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from aioduco._wire import idl
+from aioduco._wire.type_checks import TypeMismatch
 from aioduco.models.toml_files import read_text
 
 __all__ = ["Call", "ProgramError", "Script", "checked", "prepared", "read"]
@@ -110,7 +111,13 @@ def prepared(call: Call) -> tuple[str, tuple[Any, ...], bool]:
     specs = function.args.thrift_spec.values()
     for index, (_, parameter, spec, *_) in enumerate(specs):
         if index < len(given):
-            values[parameter] = _typed(f"{name}: {parameter}", spec, given[index])
+            where = f"{name}: {parameter}"
+            values[parameter] = value = _typed(where, spec, given[index])
+            try:
+                function.checks[index](value)
+            except TypeMismatch as exc:
+                told = f"{where}{exc.path} is {exc.value!r:.60}, but must be {exc.expected}"
+                raise ProgramError(told) from None
         else:
             values[parameter] = True if parameter == "block" else function.zeros[index]()
         if parameter in ("r", "rad") and name in BLENDING:
