@@ -6,7 +6,7 @@ from aioduco.errors import Portable
 from aioduco.models.enums import TaskState
 
 
-class Refusal(Exception):
+class Refusal(Portable):
     """The call is answered with a Thrift application error that carries this text."""
 
 

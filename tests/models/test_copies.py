@@ -30,6 +30,7 @@ from aioduco._process.copying import Uncopied
 from aioduco.compat._foreign import as_thrift
 from aioduco.errors import DucoError, NotCopyable, ParameterError
 from aioduco.planning import Scene
+from aioduco.sim.refusal import SimulationFailed
 from aioduco.sim.scene import Box
 
 WAYS: dict[str, Callable[[Any], Any]] = {
@@ -65,6 +66,14 @@ def test_every_public_value_and_error_comes_back_the_same() -> None:
             if not same(thing, back):
                 wrong.append(f"{name}: {thing!r} became {back!r}")
     assert not wrong, "\n".join(wrong)
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_a_failed_simulation_comes_back_the_same(way: str) -> None:
+    """A worker process of tests sends it home; it is no error of the public interface."""
+    error = SimulationFailed(ValueError("no room"))
+    back = WAYS[way](error)
+    assert (type(back), str(back)) == (SimulationFailed, str(error))
 
 
 @pytest.mark.slow
