@@ -335,8 +335,9 @@ def mjcf_of(scene: SceneLike, *, free: bool = True) -> str:
     Raises:
         SceneError: The scene is none of these.
     """
-    if isinstance(scene, str) and scene.lstrip().startswith("<"):
-        return scene
+    # a byte order mark, as of a file of Windows that the program has read, is no text
+    if isinstance(scene, str) and (text := scene.lstrip("\ufeff \t\r\n")).startswith("<"):
+        return text
     if isinstance(scene, str | os.PathLike):
         return os.path.abspath(scene)  # noqa: PTH100 - a path that need not exist here
     if not isinstance(scene, Iterable):

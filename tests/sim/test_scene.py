@@ -111,6 +111,13 @@ def test_a_scene_from_a_file(tmp_path: Path) -> None:
     assert world.model.body("scene/base").pos[0] == 0.6
 
 
+@pytest.mark.parametrize("before", ["\ufeff", "\n", "\ufeff\r\n  "], ids=repr)
+def test_a_scene_as_text_may_begin_as_its_file_does(before: str) -> None:
+    text = "<mujoco><worldbody><geom name='post' size='0.1' pos='1 0 0'/></worldbody></mujoco>"
+    world = World(FIVE, q=HOME, scene=mjcf_of(before + text))
+    assert world.model.geom("scene/post").size[0] == 0.1
+
+
 def test_drives_of_a_tool_keep_their_power_when_the_brakes_fall() -> None:
     gripper = """<mujoco><worldbody><geom size="0.03" mass="0.2"/>
     <body name="finger" pos="0 0 0.1"><joint name="jaw" type="slide" axis="1 0 0" damping="5"/>
