@@ -164,7 +164,7 @@ SERVO_SMOOTH_ACCELERATION = Number(0.0, 1.0, source="1.3.5")
 TEACH_SPACE = Choice({0: "joints", 1: "Cartesian"}, source="1.3.5")
 #: compliance of hand guiding; the manual gives the number of elements, not their range
 TEACH_SCALE = Integers(Integer(0, 2**31 - 1, source="1.3.5"), length=6, source="1.3.5")
-TEACH_DIRECTIONS = Flags(6, source="1.3.5")
+TEACH_DIRECTIONS = Flags(FLAG, length=6, source="1.3.5")
 #: percent of the set speed, (0, 100] in the manual, whole on the wire
 REPLAY_SPEED = Integer(1, 100, "%", source="1.3.5")
 REPLAY_MODE = Choice({0: "in joint space", 1: "in Cartesian space"}, source="1.3.5")
@@ -235,7 +235,7 @@ MODBUS_COILS = Integers(Choice({0: "off", 1: "on"}, source="1.3.9"), source="1.3
 
 # -- 1.3.10 force control ----------------------------------------------------------------------
 
-DIRECTIONS = Flags(6, source="1.3.10")
+DIRECTIONS = Flags(FLAG, length=6, source="1.3.10")
 
 
 def _six(linear: str, angular: str, low: float = -inf, high: float = inf) -> Vector:

@@ -93,7 +93,7 @@ def edges(rule: Any, sample: Any) -> Iterator[Any]:
             count = rule.length or len(sample)
             yield from ([end] * count for end in edges(rule.element, sample[0]))
         case rules.Flags():
-            yield from ([True] * rule.length, [False] * rule.length)
+            yield from ([end] * len(sample) for end in (True, False))
         case rules.Signed():
             count = max(rule.min_length, 1)
             yield from ([rule.low] * count, [rule.high] * count)

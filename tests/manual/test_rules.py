@@ -125,7 +125,7 @@ def test_flags_are_bools_only() -> None:
     assert flag("f", np.False_) is False
     for value in (1, 0, "true", None, np.int8(1)):
         error(flag, value)
-    flags = Flags(3, source="test")
+    flags = Flags(flag, length=3, source="test")
     assert flags("f", [True, False, True]) == [True, False, True]
     assert flags("f", np.array([True, False, True])) == [True, False, True]
     for wrong in ([True, False], [1, 0, 1], np.array([1, 0, 1]), "abc", None):

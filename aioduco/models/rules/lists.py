@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence, Set
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
 
 from aioduco.errors import Described, ParameterError
 from aioduco.models.numpy_on_use import is_array, np
 from aioduco.models.pose import Joints, Pose
-from aioduco.models.rules.scalars import FARTHEST, Choice, Flag, Integer, Number, Rule, Text
+from aioduco.models.rules.scalars import FARTHEST, Integer, Number, Rule, Text
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -20,6 +20,9 @@ VectorLike: TypeAlias = "Sequence[Real] | NDArray[np.floating[Any]] | NDArray[np
 WholesLike: TypeAlias = "Sequence[Whole] | NDArray[np.integer[Any]]"
 FlagsLike: TypeAlias = "Sequence[bool] | NDArray[np.bool_]"
 BytesLike: TypeAlias = "bytes | bytearray | memoryview | Sequence[Whole] | NDArray[np.integer[Any]]"
+
+G = TypeVar("G")
+T = TypeVar("T")
 
 
 def ordered(name: str, value: object, expected: str) -> Sequence[Any]:
@@ -59,11 +62,11 @@ class Vector(Rule):
         self.low: tuple[float, ...] = tuple(rule.low for rule in element)
         self.high: tuple[float, ...] = tuple(rule.high for rule in element)
         self.unit: str = ", ".join(dict.fromkeys(rule.unit for rule in element if rule.unit))
-        self.source: str = source or element[0].source
         self._lows = tuple(rule._low for rule in element)
         self._highs = tuple(rule._high for rule in element)
         count = "numbers" if self.length is None else f"{self.length} numbers"
-        self.expected: str = f"{count} ({self.unit})" if self.unit else count
+        expected = f"{count} ({self.unit})" if self.unit else count
+        super().__init__(expected, source or element[0].source)
 
     def __call__(self, name: str, value: VectorLike) -> list[float]:
         """Check `value` and return it as a list of floats."""
@@ -123,8 +126,9 @@ class OrCurrent(Rule):
 
     def __init__(self, rule: Vector) -> None:
         self.rule: Vector = rule
-        self.source: str = rule.source
-        self.expected: str = f"{rule.expected}, or None for the controller's present value"
+        super().__init__(
+            f"{rule.expected}, or None for the controller's present value", rule.source
+        )
 
     @property
     def length(self) -> int | None:
@@ -155,8 +159,7 @@ class Points(Rule):
         self.element: Vector = element
         self.low: int = low
         self.high: int = high
-        self.source = source
-        self.expected: str = f"{low} to {high} points, each {element.expected}"
+        super().__init__(f"{low} to {high} points, each {element.expected}", source)
 
     def __call__(
         self, name: str, value: Iterable[VectorLike] | NDArray[np.floating[Any]]
@@ -182,8 +185,8 @@ class Points(Rule):
         return points
 
 
-class Integers(Rule):
-    """A list of whole numbers.
+class Items(Rule, Generic[G, T]):
+    """A list of values of one kind.
 
     Attributes:
         element: the rule of each element.
@@ -192,22 +195,27 @@ class Integers(Rule):
 
     __slots__ = ("element", "length")
 
-    def __init__(
-        self, element: Integer | Choice, *, length: int | None = None, source: str
-    ) -> None:
-        self.element: Integer | Choice = element
+    def __init__(self, element: Any, *, length: int | None = None, source: str) -> None:
+        self.element: Any = element
         self.length: int | None = length
-        self.source = source
         count = "a list" if length is None else f"a list of {length}"
-        self.expected: str = f"{count}, each {element.expected}"
+        super().__init__(f"{count}, each {element.expected}", source)
 
-    def __call__(self, name: str, value: WholesLike) -> list[int]:
-        """Check `value` and return it as a list of ints."""
+    def __call__(self, name: str, value: G) -> list[T]:
+        """Check `value` and return it as a list of plain values."""
         items = ordered(name, value, self.expected)
         if self.length is not None and len(items) != self.length:
             raise ParameterError(name, value, self.expected)
         element = self.element
         return [element(f"{name}[{i}]", item) for i, item in enumerate(items)]
+
+
+class Integers(Items[WholesLike, int]):
+    """A list of whole numbers, each by an `Integer` or a `Choice`."""
+
+
+class Flags(Items[FlagsLike, bool]):
+    """A list of True and False."""
 
 
 class Texts(Rule):
@@ -221,36 +229,12 @@ class Texts(Rule):
 
     def __init__(self, element: Text, *, source: str) -> None:
         self.element: Text = element
-        self.source = source
-        self.expected: str = "a list of texts"
+        super().__init__("a list of texts", source)
 
     def __call__(self, name: str, value: Sequence[str]) -> tuple[str, ...]:
         """Check `value` and return it as a tuple of texts."""
         items = ordered(name, value, self.expected)
         return tuple(self.element(f"{name}[{i}]", item) for i, item in enumerate(items))
-
-
-class Flags(Rule):
-    """A list of True and False.
-
-    Attributes:
-        length: the number of elements.
-    """
-
-    __slots__ = ("_element", "length")
-
-    def __init__(self, length: int, *, source: str) -> None:
-        self._element = Flag(source=source)
-        self.length: int = length
-        self.source = source
-        self.expected: str = f"a list of {length}, each True or False"
-
-    def __call__(self, name: str, value: FlagsLike) -> list[bool]:
-        """Check `value` and return it as a list of bools."""
-        items = ordered(name, value, self.expected)
-        if len(items) != self.length:
-            raise ParameterError(name, value, self.expected)
-        return [self._element(f"{name}[{i}]", item) for i, item in enumerate(items)]
 
 
 class Signed(Rule):
@@ -273,11 +257,10 @@ class Signed(Rule):
         self.low: int = -(1 << (bits - 1))
         self.high: int = (1 << bits) - 1
         self.min_length: int = min_length
-        self.source = source
         self._bytes = bits == 8
         self._element = Integer(self.low, self.high, source=source)
         amount = f"at least {min_length}" if min_length else "any number of"
-        self.expected: str = f"{words}, {amount}, each {self._element.expected}"
+        super().__init__(f"{words}, {amount}, each {self._element.expected}", source)
 
     def __call__(self, name: str, value: BytesLike) -> list[int]:
         """Check `value` and return it as a list of signed ints."""

@@ -80,8 +80,9 @@ class Rule:
 
     __slots__ = ("expected", "source")
 
-    expected: str
-    source: str
+    def __init__(self, expected: str, source: str) -> None:
+        self.expected: str = expected
+        self.source: str = source
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.expected} [{self.source}]>"
@@ -115,10 +116,9 @@ class Number(Rule):
         self.high: float = high
         self.open_low: bool = open_low
         self.unit: str = unit
-        self.source = source
         self._low = math.nextafter(low, math.inf) if open_low else max(low, -_MAX, -plausible)
         self._high = min(high, _MAX, plausible)
-        self.expected: str = f"{self._words()} {unit}".rstrip()
+        super().__init__(f"{self._words()} {unit}".rstrip(), source)
 
     def _words(self) -> str:
         above, below = self.low > -math.inf, self.high < math.inf
@@ -179,8 +179,7 @@ class Integer(Rule):
         self.low: int = low
         self.high: int = high
         self.unit: str = unit
-        self.source = source
-        self.expected: str = f"a whole number from {low} to {high} {unit}".rstrip()
+        super().__init__(f"a whole number from {low} to {high} {unit}".rstrip(), source)
 
     def __call__(self, name: str, value: Whole) -> int:
         """Check `value` and return it as an int."""
@@ -203,8 +202,7 @@ class Choice(Rule):
 
     def __init__(self, choices: Mapping[int, str], *, source: str) -> None:
         self.choices: dict[int, str] = dict(choices)
-        self.source = source
-        self.expected: str = " or ".join(f"{key} ({words})" for key, words in self.choices.items())
+        super().__init__(" or ".join(f"{key} ({words})" for key, words in choices.items()), source)
 
     def __call__(self, name: str, value: Whole) -> int:
         """Check `value` and return it as an int."""
@@ -220,8 +218,7 @@ class Flag(Rule):
     __slots__ = ()
 
     def __init__(self, *, source: str) -> None:
-        self.source = source
-        self.expected = "True or False"
+        super().__init__("True or False", source)
 
     def __call__(self, name: str, value: bool | np.bool_) -> bool:
         """Check `value` and return it as a bool."""
@@ -255,11 +252,10 @@ class Text(Rule):
         self.min_bytes: int = min_bytes
         self.max_bytes: int | None = max_bytes
         self.one_line: bool = one_line
-        self.source = source
         size = f" of at most {max_bytes} bytes in UTF-8" if max_bytes else ""
         parts = ("not empty",) * bool(min_bytes)
         parts += ("on one line, without control characters",) * one_line
-        self.expected: str = ", ".join((f"a string{size}", *parts))
+        super().__init__(", ".join((f"a string{size}", *parts)), source)
 
     def __call__(self, name: str, value: str) -> str:
         """Check `value` and return it."""
@@ -294,8 +290,7 @@ class FileName(Rule):
 
     def __init__(self, *, folder: bool = False, source: str) -> None:
         self.folder: bool = folder
-        self.source = source
-        self.expected = f"the name of a {'folder' if folder else 'file'}"
+        super().__init__(f"the name of a {'folder' if folder else 'file'}", source)
 
     def __call__(self, name: str, value: str | os.PathLike[str]) -> Path:
         """Check `value` and return it as a path."""
@@ -328,8 +323,7 @@ class Duration(Rule):
         self.low: float = low
         self.high: float = high
         self.unit: str = "s"
-        self.source = source
-        self.expected: str = self._number.expected
+        super().__init__(self._number.expected, source)
 
     def __call__(self, name: str, value: Real) -> int:
         """Check `value` and return it in milliseconds."""
@@ -347,8 +341,7 @@ class OrForever(Rule):
 
     def __init__(self, rule: Duration) -> None:
         self.rule: Duration = rule
-        self.source: str = rule.source
-        self.expected: str = f"{rule.expected}, or None for no end"
+        super().__init__(f"{rule.expected}, or None for no end", rule.source)
 
     def __call__(self, name: str, value: Real | None) -> int:
         """Check `value` and return it in milliseconds, -1 for None."""
