@@ -42,6 +42,7 @@ def test_command_line_says_what_it_needs_when_its_extra_is_missing() -> None:
     [
         ("matplotlib", "plot", "from aioduco.cli import stream_figure as f; f.plot({}, 'x.png')"),
         ("mujoco", "sim", "from aioduco.sim import Simulator; Simulator()"),
+        ("mujoco", "sim", "from aioduco.testing.preflight import preflight"),
         ("gymnasium", "gym", "import aioduco.integrations.gym"),
         ("cv2", "camera", "from aioduco.devices.cameras import OpenCvCamera"),
         ("websockets", "panel", "from aioduco.integrations.panel import Panel"),

@@ -7,14 +7,17 @@ package asks it by `aioduco._process.trial` and `aioduco.sim.trial` (`tried_prog
 
 from __future__ import annotations
 
+from aioduco.errors import MissingExtra
 from aioduco.testing.preflight.findings import PreflightFinding
-from aioduco.testing.preflight.margins import Margin
-from aioduco.testing.preflight.runner import (
-    PreflightError,
-    PreflightReport,
-    PreflightSettings,
-    preflight,
-)
+
+with MissingExtra.named("a preflight", "sim"):
+    from aioduco.testing.preflight.margins import Margin
+    from aioduco.testing.preflight.runner import (
+        PreflightError,
+        PreflightReport,
+        PreflightSettings,
+        preflight,
+    )
 
 __all__ = [
     "Margin",
