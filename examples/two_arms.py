@@ -8,7 +8,7 @@ What one arm does wrong ends the other's motion too: leaving the task group stop
 
 from __future__ import annotations
 
-import sys
+import argparse
 from contextlib import AsyncExitStack
 
 import anyio
@@ -48,8 +48,13 @@ async def main(*addresses: tuple[str, int]) -> None:
 
 
 if __name__ == "__main__":
-    if len(sys.argv) > 1:
-        anyio.run(main, *((host, 7003) for host in sys.argv[1:]))
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("hosts", nargs="*", metavar="host")
+    hosts = parser.parse_args().hosts
+    if len(hosts) not in (0, 2):
+        parser.error("give the addresses of two arms, or none for simulated ones")
+    if hosts:
+        anyio.run(main, *((host, 7003) for host in hosts))
     else:
         from aioduco.sim import Simulator
 

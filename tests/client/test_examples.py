@@ -165,6 +165,20 @@ def test_a_port_that_is_no_number_is_a_wrong_argument() -> None:
     assert done.stderr.endswith("argument port: invalid int value: '70O3'\n")
 
 
+def test_two_arms_are_two_or_simulated() -> None:
+    for arguments, code, told in (
+        (("nowhere.invalid",), 2, "addresses of two arms"),
+        (("--help",), 0, "two simulated arms"),
+    ):
+        done = subprocess.run(
+            [sys.executable, str(EXAMPLES / "two_arms.py"), *arguments],
+            check=False,
+            capture_output=True,
+            text=True,
+        )
+        assert (done.returncode, told in done.stdout + done.stderr) == (code, True), done
+
+
 def test_each_is_in_the_table_of_the_page() -> None:
     page = (EXAMPLES.parent / "docs" / "index.md").read_text(encoding="utf-8")
     for path in EXAMPLES.glob("*.py"):
