@@ -234,13 +234,13 @@ class ArmNode:
 
     def _allow(self) -> None:
         """Follow commands again: the arm was brought up or recovered."""
-        self.commands.allow()
-        self.twists.allow()
+        for streamed in (self.commands, self.twists, self.freedrive):
+            streamed.allow()
 
     def _ignore(self) -> None:
         """Ignore commands that go on, also those that are not followed yet: the arm is stopped."""
-        self.commands.ignore()
-        self.twists.ignore()
+        for streamed in (self.commands, self.twists, self.freedrive):
+            streamed.ignore()
 
     async def run(self, sink: StateSink) -> None:
         """Publish and serve until this is cancelled."""

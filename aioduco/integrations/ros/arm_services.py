@@ -188,16 +188,17 @@ class ArmServices:
 
         async def run() -> None:
             force = self._robot.force
-            await force.fc_config(
-                selection,
-                wrench,
-                damping if any(damping) else _DAMPING,
-                speed_limits if any(speed_limits) else _FORCE_SPEED,
-                frame=frame,
-            )
-            await force.fc_start()
-            self._force_mode = True
-            await force.fc_move().start()
+            with self._robot.permit("start_force_mode"):
+                await force.fc_config(
+                    selection,
+                    wrench,
+                    damping if any(damping) else _DAMPING,
+                    speed_limits if any(speed_limits) else _FORCE_SPEED,
+                    frame=frame,
+                )
+                await force.fc_start()
+                self._force_mode = True
+                await force.fc_move().start()
 
         return await self._unless_busy(run, "the arm gives way")
 
@@ -230,13 +231,16 @@ class ArmServices:
             return await self.resume()
 
         async def run() -> str:
-            states = await self._robot.state.get_robot_state()
-            if states.program is ProgramState.PAUSED:
-                return await self._resumed()
-            if not self._program:
-                raise DucoError("no program is loaded: call load_program first; nothing was sent")
-            await self._robot.program.run_program(self._program).start(on_cancel="stop")
-            return f"running: {self._program}"
+            with self._robot.permit("play"):
+                states = await self._robot.state.get_robot_state()
+                if states.program is ProgramState.PAUSED:
+                    return await self._resumed()
+                if not self._program:
+                    raise DucoError(
+                        "no program is loaded: call load_program first; nothing was sent"
+                    )
+                await self._robot.program.run_program(self._program).start(on_cancel="stop")
+                return f"running: {self._program}"
 
         return await _answered(run())
 

@@ -3,17 +3,18 @@
 Guarantees:
 - It ends when nobody has asked for it for `timeout`: a dead client leaves no arm free.
 - It does not begin while something else uses the arm.
+- After a stop, requests that go on are ignored until they have ceased, or the arm was recovered.
 """
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 import anyio
 
 from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import DucoError
+from aioduco.integrations.ros.streamed_commands import StreamedCommands
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 _log = BackgroundLogger(__name__)
 
 
-class Freedrive:
+class Freedrive(StreamedCommands):
     """Hand guiding of one arm.
 
     Args:
@@ -33,20 +34,23 @@ class Freedrive:
         timeout: time without a request after which it ends [s].
 
     Attributes:
-        active: whether the arm may be guided.
+        following: whether the arm may be guided.
     """
 
     def __init__(self, robot: Robot, *, busy: Callable[[], bool], timeout: float = 1.0) -> None:
-        self._robot = robot
-        self._busy = busy
-        self._timeout = timeout
-        self._until = -math.inf
-        self._changed = anyio.Event()
-        self.active: bool = False
+        super().__init__(robot, _log, busy=busy, timeout=timeout, options=None)
+        self._asked = False
 
     def take(self, wanted: bool) -> None:
         """Take a request: true begins hand guiding, or keeps it; false ends it."""
-        self._until = anyio.current_time() + self._timeout if wanted else -math.inf
+        self._note_command()
+        self._blocked = self._blocked and wanted
+        self._asked = wanted and not self._blocked
+        self._changed.set()
+
+    def _block(self) -> None:
+        super()._block()
+        self._asked = False
         self._changed.set()
 
     async def run(self) -> None:
@@ -57,24 +61,24 @@ class Freedrive:
             if not self._wanted():
                 continue
             if self._busy():
-                _log.warning("no hand guiding: something else uses the arm")
+                self._warn("busy", "no hand guiding: something else uses the arm")
                 continue
             try:
                 async with self._robot.motion.teach_mode():
-                    self.active = True
+                    self._opened()
                     await self._unwanted()
             except DucoError as error:
                 _log.warning("hand guiding: %s", error)
-                self._until = -math.inf  # it is to be asked for again
+                self._block()
             finally:
-                self.active = False
+                self._ended()
 
     def _wanted(self) -> bool:
-        return anyio.current_time() < self._until
+        return self._asked and anyio.current_time() - self._came < self._timeout
 
     async def _unwanted(self) -> None:
         """Wait until nobody asks for it any more."""
         while self._wanted():
             self._changed = anyio.Event()
-            with anyio.move_on_after(self._until - anyio.current_time()):
+            with anyio.move_on_after(self._came + self._timeout - anyio.current_time()):
                 await self._changed.wait()

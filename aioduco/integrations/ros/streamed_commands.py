@@ -1,4 +1,4 @@
-"""When commands that arrive as a stream may be followed, of joints or of the tool's speed.
+"""When commands that arrive as a stream may be followed: of joints, of speeds, for hand guiding.
 
 Guarantee: after a stop, further commands are ignored. They are followed again only after they have
 ceased, or after the arm was brought up or recovered.

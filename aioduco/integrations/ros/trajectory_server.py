@@ -8,6 +8,8 @@ Guarantees:
   within the arm's limits. Otherwise the arm comes to rest, and follows it from there.
 - A goal that succeeded was there within its own times, stretched by the global speed, and its
   goal time tolerance.
+- After a stop no goal begins or goes on that was sent before it, whether it waited for another one,
+  for its time, or for the next part of its path.
 - No goal can end the server: each goal gets exactly one result.
 """
 
@@ -123,12 +125,14 @@ class _Job:
         checked: the goal, checked.
         arrived: when it arrived, on the event loop's clock [s].
         joins: whether its first point was a position of the arm on the way of an earlier goal.
+        permit: the permit of all that moves the arm for it, asked for when it arrived.
     """
 
     handle: GoalHandle
     checked: CheckedGoal
     arrived: float
     joins: bool
+    permit: contextlib.AbstractContextManager[None]
 
 
 class TrajectoryServer:
@@ -202,15 +206,16 @@ class TrajectoryServer:
         try:
             checked = check_goal(handle.goal, self._profile, self._rules, self._wall())
             self._check_begin(checked)
-        except GoalRefused as refusal:
-            handle.rejected(refusal.code, str(refusal))
+            permit = self._robot.permit("the goal")
+        except DucoError as error:
+            _reject(handle, error)
             return
         now, first = anyio.current_time(), checked.trajectory.positions[0]
         joins = checked.trajectory.times[0] == 0.0 and any(
             now - at < _RECENT and np.abs(first - place).max() <= self._rules.start
             for at, place in self._recent
         )
-        dropped = self._queue.submit(_Job(handle, checked, now, joins))
+        dropped = self._queue.submit(_Job(handle, checked, now, joins, permit))
         if dropped is not None:
             dropped.handle.cancelled("a newer goal came before it began")
         if self._queue.superseded:
@@ -257,9 +262,11 @@ class TrajectoryServer:
         return was
 
     def stopped(self) -> None:
-        """The arm was stopped: a paused goal has ended."""
-        if self._paused:
-            self._halt("", GoalEnded(ErrorCode.PATH_TOLERANCE_VIOLATED, "stopped while paused"))
+        """The arm was stopped: a goal that does not move it has ended, too."""
+        self._withdraw("the arm was stopped before it began")
+        if self._part is None or self._part.cancel_called:
+            why = "stopped while the goal waited, or was paused"
+            self._halt("", GoalEnded(ErrorCode.PATH_TOLERANCE_VIOLATED, why))
 
     def cancel(self, handle: GoalHandle) -> None:
         """Cancel a goal: the arm comes to rest on its way."""
@@ -275,9 +282,7 @@ class TrajectoryServer:
         Args:
             why: the reason, for the clients.
         """
-        waiting = self._queue.waiting
-        if waiting is not None and self._queue.withdraw(waiting):
-            waiting.handle.cancelled(why)
+        self._withdraw(why)
         self._halt(why)
 
     async def cancel_on_loss(self, why: str) -> None:
@@ -369,6 +374,12 @@ class TrajectoryServer:
         else:
             rest()
 
+    def _withdraw(self, why: str) -> None:
+        """Drop the waiting goal, if there is one."""
+        waiting = self._queue.waiting
+        if waiting is not None and self._queue.withdraw(waiting):
+            waiting.handle.cancelled(why)
+
     def _halt(self, why: str, error: GoalEnded | None = None) -> None:
         """End the running goal, with an error or, without one, as cancelled."""
         if self._scope is not None:
@@ -385,7 +396,7 @@ class TrajectoryServer:
         begun, finished = False, False
         error: Exception | None = None
         self._why, self._error = "", None
-        with anyio.CancelScope() as scope:
+        with anyio.CancelScope() as scope, job.permit:
             self._scope = scope
             try:
                 actual = await self._ready(job)
@@ -429,8 +440,7 @@ class TrajectoryServer:
             handle.aborted(code_of(error), said(error))
         else:
             _log.warning("goal rejected: %s", error)
-            code = error.code if isinstance(error, GoalRefused) else ErrorCode.INVALID_GOAL
-            handle.rejected(code, said(error))
+            _reject(handle, error)
 
     async def _ready(self, job: _Job) -> Sequence[float]:
         """Wait for the start time of a goal, and check that the arm is ready and at its start.
@@ -594,3 +604,9 @@ class TrajectoryServer:
             with contextlib.suppress(DucoError):
                 await self._robot.stop()
         self._halt("its client is gone")
+
+
+def _reject(handle: GoalHandle, error: Exception) -> None:
+    """Tell the client of a goal that it was not started."""
+    code = error.code if isinstance(error, GoalRefused) else ErrorCode.INVALID_GOAL
+    handle.rejected(code, said(error))

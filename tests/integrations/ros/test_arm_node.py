@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 
 from aioduco import Pose, TaskState
 from aioduco._process.reporting import reporter
+from aioduco.api.force import Force
 from aioduco.api.state import State
 from aioduco.errors import ParameterError
 from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings, arm_node
@@ -38,7 +39,7 @@ from .nodes import Sink, running
 
 @pytest.fixture(scope="module")
 def sim() -> Iterator[Simulator]:
-    with Simulator() as sim:
+    with Simulator(programs={"wave": [["movej2", [0.5, *START[1:]], 0.3, 5.0]]}) as sim:
         yield sim
 
 
@@ -225,6 +226,67 @@ async def test_a_stop_ends_a_goal_and_waits_behind_nothing(node: ArmNode, sim: S
     assert client.told == ["accepted", "aborted"]
     assert client.code == ErrorCode.PATH_TOLERANCE_VIOLATED
     assert client.text.endswith("Send a new goal to go on")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("how", ["due later", "waits", "slower"])
+async def test_after_a_stop_no_goal_begins_or_goes_on(
+    node: ArmNode, sim: Simulator, how: str
+) -> None:
+    """Of a goal that stands before its begin, or between two parts, too."""
+    due = time.time() + 0.5
+    clients = [Client(goal(count=50, duration=3.0, far=0.8))]
+    if how == "due later":
+        clients = [Client(goal(stamp=due))]
+    for client in clients:
+        node.goals.submit(client)
+    if how != "due later":
+        await moving(clients[0])
+    if how == "waits":
+        clients.append(Client(goal(points=[GoalPoint(way(1.0), time=1.0)], stamp=due)))
+        node.goals.submit(clients[1])
+    elif how == "slower":
+        node.goals.scale(0.5)
+    assert (await node.services.stop()).success
+    there = np.array(sim.joints)
+    await eventually_async(lambda: all(client.done for client in clients))
+    assert [client.told[-1] for client in clients].count("succeeded") == 0
+    if how == "due later":
+        assert "stopped" in clients[0].text
+    await eventually_async(lambda: time.time() > due and not node.goals.busy)
+    await settled(node, Client(goal(points=())))  # the driver goes on
+    assert not sim.moving
+    np.testing.assert_allclose(sim.joints, there, atol=2e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("service", ["start_force_mode", "play"])
+async def test_after_a_stop_no_service_goes_on_to_move_the_arm(
+    node: ArmNode, sim: Simulator, monkeypatch: pytest.MonkeyPatch, service: str
+) -> None:
+    """Of one that had not sent its motion yet."""
+    section, name = {
+        "start_force_mode": (Force, "fc_start"), "play": (State, "get_robot_state")
+    }[service]  # fmt: skip
+    call = getattr(section, name)
+
+    async def stopped_meanwhile(self: Any) -> Any:
+        answer = await call(self)
+        monkeypatch.undo()
+        assert (await node.services.stop()).success
+        return answer
+
+    services = node.services
+    assert (await services.load_program("wave")).success
+    monkeypatch.setattr(section, name, stopped_meanwhile)
+    if service == "play":
+        reply = await services.play()
+    else:
+        pushed = (0.0, 0.0, 5.0, 0.0, 0.0, 0.0)
+        reply = await services.start_force_mode((True,) * 6, pushed, (0.0,) * 6, (0.0,) * 6, 0)
+    assert not reply.success, reply.message
+    assert "not sent, since the arm was stopped" in reply.message
+    assert not node.robot.tasks
 
 
 @pytest.mark.slow

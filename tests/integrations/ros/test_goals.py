@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -240,6 +241,7 @@ class FakeRobot:
             get_robot_state=lambda: answer(ready),
             get_actual_joints_position=lambda: answer(list(START)),
         )
+        self.permit = contextlib.nullcontext
 
 
 class HeldMotion:

@@ -159,10 +159,31 @@ async def test_force_mode_and_zeroing(node: ArmNode) -> None:
 @pytest.mark.slow
 async def test_freedrive_lasts_as_long_as_it_is_asked_for(node: ArmNode) -> None:
     node.freedrive.take(True)
-    await eventually_async(lambda: node.freedrive.active)
-    await eventually_async(lambda: not node.freedrive.active)  # nobody asks for it any more
+    await eventually_async(lambda: node.freedrive.following)
+    await eventually_async(lambda: not node.freedrive.following)  # nobody asks for it any more
     assert (await node.robot.state.get_robot_state()).robot is RobotState.ENABLE
     assert (await node.services.movej(START, 3.0, 20.0)).success
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("again", ["recover", "asked anew"])
+async def test_after_a_stop_freedrive_is_to_be_asked_for_anew(node: ArmNode, again: str) -> None:
+    async def ask() -> None:
+        async for _ in ticks(50.0):
+            node.freedrive.take(True)
+
+    async with beside(ask()):
+        await eventually_async(lambda: node.freedrive.following)
+        assert (await node.services.stop()).success
+        await eventually_async(lambda: not node.freedrive.following)
+        assert (await node.services.movej(START, 3.0, 20.0)).success  # it does not begin again
+        assert not node.freedrive.following
+        if again == "recover":
+            assert (await node.services.recover()).success
+        else:
+            node.freedrive.take(False)
+        await eventually_async(lambda: node.freedrive.following)
+    await eventually_async(lambda: not node.freedrive.following)
 
 
 @pytest.mark.slow
