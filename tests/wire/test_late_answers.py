@@ -135,27 +135,6 @@ async def test_a_doubled_answer_in_one_piece() -> None:
         assert server.connections == 2
 
 
-@each_kind
-async def test_bytes_that_nobody_asked_for_cost_no_call(call: tuple[str, Any]) -> None:
-    """They came while the connection idled, so the next call uses another one from the start."""
-
-    def script(peer: Peer) -> None:
-        received = peer.take()
-        peer.answer(received, 5)
-        again.wait(PATIENCE)
-        peer.answer(received, 5)
-        assert peer.wait_gone()
-
-    again = threading.Event()
-    async with opened(script, numbered) as (lane, server):
-        assert await lane.call(*READ, PATIENCE) == 5
-        again.set()
-        await eventually_async(lambda: idle_connection_has_news(lane))
-        await lane.call(*call, PATIENCE)
-        assert server.names == [READ[0], call[0]]
-        assert server.connections == 2
-
-
 def idle_connection_has_news(lane: WireLane) -> bool:
     """Whether the lane has seen that something came on its connection, or its end."""
     return channel(lane).life.state is ConnectionState.POISONED
@@ -168,9 +147,9 @@ each_end = pytest.mark.parametrize("end", [Peer.close, Peer.reset], ids=lambda e
 
 
 @each_kind
-@each_end
-async def test_a_connection_that_ended_while_idle_costs_no_call(
-    end: Script, call: tuple[str, Any]
+@pytest.mark.parametrize("event", ["close", "reset", "bytes"])
+async def test_what_comes_while_a_connection_idles_costs_no_call(
+    event: str, call: tuple[str, Any]
 ) -> None:
     """Even a command is sent on a fresh connection: nothing of it had left."""
     now = threading.Event()
@@ -179,7 +158,11 @@ async def test_a_connection_that_ended_while_idle_costs_no_call(
         received = peer.take()
         peer.answer(received, 5)
         now.wait(PATIENCE)
-        end(peer)
+        if event == "bytes":  # that nobody asked for
+            peer.answer(received, 5)
+            assert peer.wait_gone()
+        else:
+            getattr(peer, event)()
 
     async with opened(script, numbered) as (lane, server):
         assert await lane.call(*READ, PATIENCE) == 5
@@ -187,6 +170,7 @@ async def test_a_connection_that_ended_while_idle_costs_no_call(
         await eventually_async(lambda: idle_connection_has_news(lane))
         await lane.call(*call, PATIENCE)
         assert server.names == [READ[0], call[0]]
+        assert server.connections == 2
 
 
 @each_kind
