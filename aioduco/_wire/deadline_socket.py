@@ -188,7 +188,7 @@ class DeadlineSocket:
             return -1
 
     def receive_at_once(self) -> bytes:
-        """Return the bytes that have arrived; only on an event loop.
+        """Return the bytes that have arrived; on an event loop without waiting.
 
         Raises:
             BlockingIOError: none have arrived.
@@ -213,16 +213,12 @@ class DeadlineSocket:
         while True:
             self._limit_to(deadline)
             try:
-                data = self.socket.recv(_CHUNK)
+                return self.receive_at_once()
             except (BlockingIOError, TimeoutError) as exc:
                 if isinstance(exc, TimeoutError) and exc.errno is not None:
                     raise
                 if self._waiting is not None:
                     self._waiting()
-                continue
-            if not data:
-                raise EOFError
-            return data
 
     @property
     def undelivered(self) -> int:

@@ -51,14 +51,14 @@ class Force(Section):
 
         Manual section 1.3.10.
         """
-        modes = self._supervisor.stop_coordinator.modes.left_at_standstill
-        was_on = "fc_stop" in modes
-        modes.add("fc_stop")  # before the call is sent, since its answer may be lost
+        modes = self._supervisor.stop_coordinator.modes
+        # before the call is sent, since its answer may be lost
+        was_on, modes.force_control = modes.force_control, True
         try:
             await self._carry_out(calls.fc_start(), _LIMIT)
         except (TaskError, Refused, ControllerError, RobotStateError) as exc:
-            if not was_on and not isinstance(exc, TaskUnknown):
-                modes.discard("fc_stop")
+            if not isinstance(exc, TaskUnknown):
+                modes.force_control = was_on
             raise
 
     async def fc_stop(self) -> None:
@@ -75,7 +75,7 @@ class Force(Section):
         """
         await self._check_standstill("fc_stop")
         await self._carry_out(calls.fc_stop(), _LIMIT)
-        self._supervisor.stop_coordinator.modes.left_at_standstill.discard("fc_stop")
+        self._supervisor.stop_coordinator.modes.force_control = False
 
     async def fc_config(
         self,

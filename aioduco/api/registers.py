@@ -256,9 +256,8 @@ class Registers(Section):
 
     async def _set(self, call: WireCall[int]) -> None:
         """Set a variable, and check the answer, which is 0 on success."""
-        follower = self._supervisor.stop_coordinator.follower
-        before = await follower.error_list()
+        before = await self._follower.error_list()
         answer = await self._rpc.send(call)
         if answer != 0:
-            why = "; ".join(await follower.new_errors(before))
+            why = "; ".join(await self._follower.new_errors(before))
             raise Refused(call.name, answer, why or "no such variable, or one of another type")

@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from aioduco._wire.rpc import WireCall
     from aioduco.supervision.supervisor import Supervisor
     from aioduco.supervision.task_command import Aim
+    from aioduco.supervision.task_follower import TaskFollower
     from aioduco.supervision.task_state import JointEta
 
 
@@ -48,6 +49,11 @@ JOG_TIME: Final = 1.0
 #: time for which an arm may swing after the end of its motion, and interval of the polls [s]
 _SETTLING: Final = 0.5
 _ASK_AGAIN: Final = 0.02
+
+
+def _finished(answer: int) -> bool:
+    """Whether an answer is the end state of a task that succeeded."""
+    return answer == TaskState.FINISHED
 
 
 class Section(Uncopied, ManualNames):
@@ -63,6 +69,10 @@ class Section(Uncopied, ManualNames):
     def __repr__(self) -> str:
         where = host_port(self._supervisor.host, self._supervisor.port)
         return f"<{type(self).__name__} of {where}, {self._supervisor.state}>"
+
+    @property
+    def _follower(self) -> TaskFollower:
+        return self._supervisor.stop_coordinator.follower
 
     async def _finish(self, call: WireCall[int]) -> None:
         """Call a function that answers with the end state of a task, and check that it finished."""
@@ -92,11 +102,19 @@ class Section(Uncopied, ManualNames):
             rpc: makes it.
             good: whether an answer is that of a call that succeeded.
         """
-        follower = self._supervisor.stop_coordinator.follower
-        before = await follower.error_list()
-        answer = await rpc.send(call)
+        before = await self._follower.error_list()
+        await self._check(call.name, await rpc.send(call), before, good)
+
+    async def _check(
+        self,
+        name: str,
+        answer: int,
+        before: Sequence[str],
+        good: Callable[[int], bool] = _finished,
+    ) -> None:
+        """Check an answer; an error has what the error list has more than `before` the call."""
         if not good(answer):
-            check_finished(call.name, answer, await follower.new_errors(before))
+            check_finished(name, answer, await self._follower.new_errors(before))
 
     def _motion(
         self,
@@ -173,15 +191,14 @@ class Section(Uncopied, ManualNames):
             call: the call.
         """
         supervisor, command = self._supervisor, Command(call.name, call.args)
-        follower = supervisor.stop_coordinator.follower
         with supervisor.asked_for(call.name):
-            before = await follower.error_list()
+            before = await self._follower.error_list()
             answer = await supervisor.dispatcher.conduct(command, supervisor.blocking, None)
         if answer > max(TaskState):
             # Not an end state, so it is the id of a task. The task is followed like any other.
             await supervisor.dispatcher.adopt(command, answer, before)
-        elif answer != TaskState.FINISHED:
-            check_finished(call.name, answer, await follower.new_errors(before))
+        else:
+            await self._check(call.name, answer, before)
 
     async def _block(self, motion: MotionCommand) -> TaskState:
         """Carry out a motion by the manual's blocking call, and return the state of its task.
@@ -199,13 +216,11 @@ class Section(Uncopied, ManualNames):
                 "one that ends by itself: a velocity for a time, or a jog with a step. "
                 f"robot.motion.{command.name} makes one that a command ends",
             )
-        follower = supervisor.stop_coordinator.follower
         with supervisor.asked_for(command.name):
-            before = await follower.error_list()
+            before = await self._follower.error_list()
             state = await motion.block(supervisor.blocking)
-        if state is TaskState.FINISHED or (state is TaskState.INTERRUPT and command.blends):
-            return state
-        check_finished(command.name, state, await follower.new_errors(before))
+        if state is not TaskState.INTERRUPT or not command.blends:
+            await self._check(command.name, state, before)
         return state
 
     async def _enter(self, call: WireCall[int], ending: str, args: tuple[bool, ...]) -> None:
@@ -217,14 +232,11 @@ class Section(Uncopied, ManualNames):
             args: arguments of `ending`.
         """
         supervisor, command = self._supervisor, Command(call.name, call.args)
-        follower, timeout = supervisor.stop_coordinator.follower, supervisor.settings.call_timeout
+        lane, timeout = supervisor.calls, supervisor.settings.call_timeout
         with supervisor.asked_for(call.name):
-            before = await follower.error_list()
-            answer = await supervisor.dispatcher.conduct(
-                command, supervisor.calls, timeout, (ending, args)
-            )
-        if not _finished(answer):
-            check_finished(call.name, answer, await follower.new_errors(before))
+            before = await self._follower.error_list()
+            answer = await supervisor.dispatcher.conduct(command, lane, timeout, (ending, args))
+        await self._check(call.name, answer, before)
 
     async def _feed(self, call: WireCall[int], ending: str) -> int:
         """Send points that the arm may follow at once, without a task of their own.
@@ -259,17 +271,15 @@ class Section(Uncopied, ManualNames):
             call: the call.
             timeout: seconds within which the task must end.
         """
-        supervisor = self._supervisor
-        supervisor.check_open(call.name)
-        follower = supervisor.stop_coordinator.follower
-        before = await follower.error_list()
+        self._supervisor.check_open(call.name)
+        before = await self._follower.error_list()
         answer = await self._rpc.send(call)
         if answer > max(TaskState):
             command = Command(call.name, call.args, motion=False)
-            task = supervisor.dispatcher.adopt(command, answer, before)
-            await follower.completed(task, timeout)
-        elif answer != TaskState.FINISHED:
-            check_finished(call.name, answer, await follower.new_errors(before))
+            task = self._supervisor.dispatcher.adopt(command, answer, before)
+            await self._follower.completed(task, timeout)
+        else:
+            await self._check(call.name, answer, before)
 
     async def _begin(self, call: WireCall[int]) -> None:
         """Call a function that answers with the id of a task, which may last after what it began.
@@ -283,13 +293,11 @@ class Section(Uncopied, ManualNames):
             TaskError: the task has ended, and did not succeed.
             Refused: the answer is no id.
         """
-        follower = self._supervisor.stop_coordinator.follower
-        before = await follower.error_list()
-        answer = await self._rpc.send(call)
-        begun = answer > max(TaskState)
-        state = await self._rpc.get_noneblock_taskstate(answer) if begun else answer
-        if not (_accepted(state) if begun else _finished(state)):
-            check_finished(call.name, state, await follower.new_errors(before))
+        before = await self._follower.error_list()
+        answer, good = await self._rpc.send(call), _finished
+        if answer > max(TaskState):
+            answer, good = await self._rpc.get_noneblock_taskstate(answer), _accepted
+        await self._check(call.name, answer, before, good)
 
     async def _read_checked(
         self, call: WireCall[T], name: str, nothing: Callable[[T], bool] = not_
@@ -314,7 +322,7 @@ class Section(Uncopied, ManualNames):
         answer = await self._rpc.send(call)
         if nothing(answer):
             after = await self._rpc.get_last_error()
-            self._supervisor.stop_coordinator.follower.have_told(after)
+            self._follower.have_told(after)
             why = new_errors(before, after, call.name, name)
             if why:
                 raise Refused(call.name, answer, "; ".join(why))
@@ -403,11 +411,6 @@ def checked_task_id(function: str, answer: int) -> int:
     if answer < 0:
         raise Refused(function, answer, "it does not take these arguments in its present state")
     return answer
-
-
-def _finished(answer: int) -> bool:
-    """Whether an answer is the end state of a task that succeeded."""
-    return answer == TaskState.FINISHED
 
 
 def _accepted(answer: int) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from aioduco._process.platform import boot_time
@@ -205,10 +206,8 @@ class Track(Section, TrackStreams):
         self, kind: _Kind | None, call: WireCall[int], joints: Sequence[Sequence[float]] = ()
     ) -> None:
         """Put points into the pool; if the arm follows it, they move the arm."""
-        if self._followed:
-            with self._supervisor.asked_for(call.name):
-                await self._put_checked(kind, call, joints)
-        else:
+        asked = self._supervisor.asked_for(call.name) if self._followed else nullcontext()
+        with asked:
             await self._put_checked(kind, call, joints)
 
     async def _put_checked(

@@ -53,7 +53,7 @@ class Modes:
         channel: sends the functions that end them.
 
     Attributes:
-        left_at_standstill: modes that may be left only while the arm stands.
+        force_control: whether force control may be on.
     """
 
     def __init__(self, channel: StopChannel) -> None:
@@ -66,10 +66,10 @@ class Modes:
         #: of these, those of which it was logged that they could not be ended
         self._told: set[str] = set()
         self._leaving = anyio.Lock()
-        self.left_at_standstill: set[str] = set()
+        self.force_control: bool = False
 
     def __repr__(self) -> str:
-        return f"<Modes {sorted(self._on)}, while standing {sorted(self.left_at_standstill)}>"
+        return f"<Modes {sorted(self._on)}{', force control' if self.force_control else ''}>"
 
     def __contains__(self, ending: str) -> bool:
         return ending in self._on
@@ -82,7 +82,7 @@ class Modes:
     @property
     def any(self) -> bool:
         """Whether a mode of either kind is on, or points may be in the track pool."""
-        return self.stoppable or bool(self.left_at_standstill)
+        return self.stoppable or self.force_control
 
     @property
     def stoppable(self) -> bool:
@@ -171,34 +171,32 @@ class Modes:
                 if over and self._on.get(name) == mode:  # it was not entered again meanwhile
                     self.over(name)
 
-    async def leave_at_standstill(
+    async def end_force_control(
         self, timeout: float, follow: Callable[[str, int, float], Awaitable[object]]
     ) -> None:
-        """Leave the modes that may be left only while the arm stands; failures are logged.
+        """End force control, which may be ended only while the arm stands; failures are logged.
 
         Args:
             timeout: seconds for each step.
             follow: waits for the end of a task, given its name, its id and a time limit.
         """
-        if not self.left_at_standstill:
+        if not self.force_control:
             return
         try:
             await self._channel.rest(None, timeout)
         except DucoError as exc:
-            names = ", ".join(sorted(self.left_at_standstill))
-            _log.warning("%s was not sent, since the arm is not known to stand: %s", names, exc)
+            _log.warning("fc_stop was not sent, since the arm is not known to stand: %s", exc)
             return
-        for name in sorted(self.left_at_standstill):
-            self.left_at_standstill.discard(name)
-            try:
-                answer = await self._channel.control(name, (), timeout)
-                if answer > max(TaskState):
-                    await follow(name, answer, timeout)
-                elif answer != TaskState.FINISHED:
-                    raise Refused(name, answer, "no reason is given")
-            except (DucoError, MemoryError) as exc:
-                said = str(exc) or repr(exc)
-                _log.warning("%s failed: the mode may still be on: %s", name, said)
+        self.force_control = False
+        try:
+            answer = await self._channel.control("fc_stop", (), timeout)
+            if answer > max(TaskState):
+                await follow("fc_stop", answer, timeout)
+            elif answer != TaskState.FINISHED:
+                raise Refused("fc_stop", answer, "no reason is given")
+        except (DucoError, MemoryError) as exc:
+            said = str(exc) or repr(exc)
+            _log.warning("fc_stop failed: the mode may still be on: %s", said)
 
 
 class OpenStream(ABC):

@@ -312,7 +312,7 @@ class StopCoordinator:
             timeout: seconds for each step of leaving a mode that needs a standing arm.
         """
         await self.modes.leave()
-        await self.modes.leave_at_standstill(timeout, self.follower.complete)
+        await self.modes.end_force_control(timeout, self.follower.complete)
 
     def begin_stop(self) -> None:
         """Send a stop before anything else runs on the event loop; `stop` must be awaited next."""

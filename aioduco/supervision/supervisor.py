@@ -563,8 +563,6 @@ class Supervisor:
             yield "modes", steps.modes, coordinator.leave_modes
         if coordinator.gate.stopping and self._close_error is None:
             yield "stops", steps.standstill, self.permits.stops_ended
-        if self.heartbeat is not None:
-            self.heartbeat.end()
         yield "close", _NO_LIMIT, lambda _: self._close_lanes()
 
     async def _close_lanes(self) -> None:

@@ -176,7 +176,7 @@ async def test_each_step_is_logged(bench: Bench, caplog: pytest.LogCaptureFixtur
     caplog.set_level("DEBUG", "aioduco.supervision.supervisor")
     steps = aioduco.ClosingSteps(modes=None)
     async with aioduco.connect(bench.host, bench.port, closing_steps=steps) as robot:
-        robot._supervisor.stop_coordinator.modes.left_at_standstill.add("fc_stop")
+        robot._supervisor.stop_coordinator.modes.force_control = True
         await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
     said = [record.getMessage().removeprefix("leaving the robot: ") for record in caplog.records]
     assert [line.split(" took ")[0] for line in said] == [
