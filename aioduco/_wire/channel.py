@@ -527,12 +527,7 @@ async def connect(
     """
     begin = time.monotonic()
     error: BaseException = TimeoutError("no time was left to connect")
-    try:
-        addresses = await resolve(endpoint, deadline)
-    except ConnectError:
-        raise
-    except (OSError, UnicodeError) as exc:
-        raise endpoint.refused(exc) from exc
+    addresses = await resolve(endpoint, deadline)
     for each, until in endpoint.route.tries(addresses, deadline):
         try:
             stream = DeadlineSocket(each)
@@ -553,15 +548,22 @@ async def connect(
 
 
 async def resolve(endpoint: Endpoint, deadline: float) -> list[Address]:
-    """As `Endpoint.resolve`, without blocking the event loop."""
+    """As `Endpoint.resolve`, without blocking the event loop.
+
+    Raises:
+        ConnectError: there are none, or they are not known in time.
+    """
     found = endpoint.lookup()
     if not isinstance(found, Lookup):
         return found
     over = asyncio.Event()
     found.when_over(loop_callback(over.set))
-    async with asyncio.timeout(max(0.0, deadline - time.monotonic())):
-        await over.wait()
-    return found.addresses()
+    try:
+        async with asyncio.timeout(max(0.0, deadline - time.monotonic())):
+            await over.wait()
+        return found.addresses()
+    except (OSError, UnicodeError) as exc:
+        raise endpoint.refused(exc) from exc
 
 
 async def _connect(loop: asyncio.AbstractEventLoop, sock: socket.socket, address: Any) -> None:

@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING
 from aioduco._wire import newer
 from aioduco._wire.rpc import calls
 from aioduco.api.section import Section
-from aioduco.errors import StaleState
 from aioduco.models import ranges
 from aioduco.models.load import Load
-from aioduco.models.samples import pose
+from aioduco.models.samples import pose, some
 
 if TYPE_CHECKING:
     from aioduco.models.pose import Pose, PoseLike
@@ -131,13 +130,7 @@ class Frames(Section):
 
         Manual section 1.3.7.
         """
-        wire = await self._rpc.get_tool_load()
-        if len(wire) < 4:
-            raise StaleState(
-                f"the controller sent {len(wire)} of 4 numbers of a load: it is still starting; "
-                "ask again"
-            )
-        return Load(*wire[:4])
+        return Load(*some(await self._rpc.get_tool_load(), 4, "numbers of a load"))
 
     async def get_wobj(self) -> Pose:
         """Read the pose of the work object in use in the base frame (工件坐标系的值) [m, rad].

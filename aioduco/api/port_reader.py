@@ -12,7 +12,7 @@ import anyio
 from aioduco._process.copying import Uncopied
 from aioduco._wire.channel import resolve
 from aioduco._wire.endpoint import Endpoint
-from aioduco.errors import ConnectError, ConnectionLost, RobotStateError
+from aioduco.errors import ConnectionLost, RobotStateError
 from aioduco.models import ranges
 from aioduco.models.address import host_alone
 from aioduco.models.host_port import host_port
@@ -78,12 +78,7 @@ class PortReader(Uncopied, ABC, Generic[C, T]):
         endpoint = Endpoint(self.host, self.port, self.timeout, functions=False)
         deadline = time.monotonic() + self.timeout
         error: BaseException = TimeoutError("no time was left to connect")
-        try:
-            found = await resolve(endpoint, deadline)
-        except ConnectError:
-            raise
-        except (OSError, UnicodeError) as exc:
-            raise endpoint.refused(exc) from exc
+        found = await resolve(endpoint, deadline)
         for (*_, name), until in endpoint.route.tries(found, deadline):
             host, port = socket.getnameinfo(name, socket.NI_NUMERICHOST | socket.NI_NUMERICSERV)
             try:

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from aioduco._wire import rpc
 from aioduco.errors import ParameterError
+from aioduco.models import ranges
 from aioduco.models.pose import Joints, Pose, PoseLike
-from aioduco.models.rules import Flag, Integer, JointsRule, Number, PoseRule, Text
+from aioduco.models.rules import Integer, Number
 from aioduco.models.rules.scalars import LONGEST_ARM
 
 if TYPE_CHECKING:
@@ -43,10 +44,6 @@ _LONGEST_PATH = 2 * LONGEST_ARM
 _AFTER_DISTANCE = Number(0.0, unit="m", plausible=_LONGEST_PATH, source=_SOURCE)
 _SIGNED_TIME = Number(unit="s", source=_SOURCE)
 _SIGNED_DISTANCE = Number(unit="m", plausible=_LONGEST_PATH, source=_SOURCE)
-_FLAG = Flag(source=_SOURCE)
-_NAME = Text(min_bytes=1, one_line=True, source=_SOURCE)
-_POSE = PoseRule(source=_SOURCE)
-_JOINTS = JointsRule(source=_SOURCE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +115,7 @@ def tool_output(num: Whole) -> Output:
 
 def event(name: str) -> ControllerEvent:
     """Name an event, which must be defined on the controller beforehand."""
-    return ControllerEvent(_NAME("name", name))
+    return ControllerEvent(ranges.LONG_NAME("name", name))
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,7 +152,7 @@ def _trigger(
             "the signed byte that the wire has for it; define an event that sets it, and trigger "
             "that by event(name)",
         )
-    level = _FLAG("value", value)
+    level = ranges.FLAG("value", value)
     if distance is None:
         return Trigger(target, level, "time", rules[0]("time", 0.0 if time is None else time))
     if time is not None:
@@ -325,9 +322,9 @@ class PointOp:
 
     def __init__(self, pos: PoseLike | Joints, op: Op | None = None) -> None:
         if isinstance(pos, Joints):
-            point: Pose | Joints = Joints(*_JOINTS("pos", pos))
+            point: Pose | Joints = Joints(*ranges.JOINTS("pos", pos))
         else:
-            point = Pose(*_POSE("pos", pos))
+            point = Pose(*ranges.POSE("pos", pos))
         object.__setattr__(self, "pos", point)
         if op is not None and not isinstance(op, Op):
             raise ParameterError("op", op, "an Op, or None")

@@ -135,7 +135,7 @@ def joints(wire: Sequence[float]) -> Joints:
     Raises:
         StaleState: there are fewer than six, or some are not finite: the controller is starting.
     """
-    return _made(Joints, _six(wire, "joint angles"))
+    return _made(Joints, some(wire, 6, "joint angles"))
 
 
 def pose(wire: Sequence[float]) -> Pose:
@@ -145,7 +145,7 @@ def pose(wire: Sequence[float]) -> Pose:
         StaleState: there are fewer than six numbers, or some are not finite: the controller is
             still starting.
     """
-    return _made(Pose, _six(wire, "numbers of a pose"))
+    return _made(Pose, some(wire, 6, "numbers of a pose"))
 
 
 T = TypeVar("T", Joints, Pose)
@@ -161,9 +161,14 @@ def _made(kind: type[T], six: Sequence[float]) -> T:
         ) from exc
 
 
-def _six(wire: Sequence[float], what: str) -> Sequence[float]:
-    if len(wire) < 6:
+def some(wire: Sequence[float], count: int, what: str) -> Sequence[float]:
+    """Return so many numbers of the wire; `what` they are is for the error.
+
+    Raises:
+        StaleState: there are fewer: the controller is still starting.
+    """
+    if len(wire) < count:
         raise StaleState(
-            f"the controller sent {len(wire)} of 6 {what}: it is still starting; ask again"
+            f"the controller sent {len(wire)} of {count} {what}: it is still starting; ask again"
         )
-    return wire[:6]
+    return wire[:count]

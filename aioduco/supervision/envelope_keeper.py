@@ -23,7 +23,6 @@ from aioduco.envelope.limits import Crossing, Envelope, ToolForce
 from aioduco.errors import ControllerError, EnvelopeViolated, ParameterError
 from aioduco.models.samples import joints as joints_of
 from aioduco.models.samples import pose as pose_of
-from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -50,8 +49,6 @@ _SLOWEST = {
     "movej_pose": 0.01,
 }
 _SLOWEST_LINE = 0.01
-#: seconds between two checks whether a stop is confirmed
-_STOPPING_EVERY = 0.01
 #: distance of the flange from where an envelope's arm has it, from which it is another arm [m]: the
 #: lengths of an arm differ from those of its model by less
 _OTHER_ARM = 0.03
@@ -500,9 +497,8 @@ class EnvelopeKeeper:
             the state stops the arm [s]. None if nothing is checked.
         """
         self._asked = True
-        async for _ in every(_STOPPING_EVERY):
-            if not self._coordinator.gate.stopping:
-                break  # before, the arm and what moved it would be looked at too early
+        # before, the arm and what moved it would be looked at too early
+        await self._coordinator.permits.stops_ended()
         if (envelope := self.envelope) is None:
             return None
         if not self._live:  # else the stream is not opened

@@ -63,13 +63,11 @@ class Permits:
                 if not self.gate.waits(permit, boot_time()):
                     return
 
-    async def stops_ended(self, timeout: float) -> None:
-        """Wait until no stop is being confirmed, before the connections are closed.
-
-        A stop that another task waits for would otherwise not learn that it was accepted.
+    async def stops_ended(self, timeout: float | None = None) -> None:
+        """Wait until no stop is being confirmed.
 
         Args:
-            timeout: the longest wait [s].
+            timeout: the longest wait [s]; None for no limit.
         """
         with anyio.move_on_after(timeout):
             async for _ in every(_STOPPING_EVERY):

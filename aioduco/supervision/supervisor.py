@@ -561,6 +561,7 @@ class Supervisor:
             yield "standstill", steps.standstill, partial(coordinator.rest, steps.stop)
         if coordinator.modes.any:
             yield "modes", steps.modes, coordinator.leave_modes
+        # a stop that another task waits for would otherwise not learn that it was accepted
         if coordinator.gate.stopping and self._close_error is None:
             yield "stops", steps.standstill, self.permits.stops_ended
         yield "close", _NO_LIMIT, lambda _: self._close_lanes()

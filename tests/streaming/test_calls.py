@@ -34,31 +34,31 @@ def test_one_set_point(name: str, values: list[float]) -> None:
     assert point.encode(values) == codec.encode(idl.functions()[name], (values, *SINGLE[name]))
 
 
-@given(st.lists(SIX, max_size=20), st.booleans())
-def test_a_list_of_realtime_points(points: list[list[float]], block: bool) -> None:
+@given(st.lists(SIX, max_size=20))
+def test_a_list_of_realtime_points(points: list[list[float]]) -> None:
     def element(values: list[float]) -> RealTimeControlData:
         return RealTimeControlData(joint_vel_cmd=values, status=True)
 
-    batch = Batch(NOBODY, "realtime_data_enqueue", element, (block,), 1.0)
+    batch = Batch(NOBODY, "realtime_data_enqueue", element, 1.0)
     made = batch.encode([batch.element(values) for values in points])
     function = idl.functions()["realtime_data_enqueue"]
-    assert made == codec.encode(function, ([element(values) for values in points], block))
+    assert made == codec.encode(function, ([element(values) for values in points], True))
 
 
 @given(st.lists(SIX, max_size=20))
 def test_a_list_of_points_of_a_track(points: list[list[float]]) -> None:
-    batch = Batch(NOBODY, "trackEnqueue", list, (True,), 1.0)
+    batch = Batch(NOBODY, "trackEnqueue", list, 1.0)
     made = batch.encode([batch.element(values) for values in points])
     assert made == codec.encode(idl.functions()["trackEnqueue"], (points, True))
 
 
 @given(st.lists(st.tuples(SIX, st.integers(0, 100), st.text(max_size=8)), max_size=8))
 def test_points_of_a_track_with_operations(points: list[tuple[list[float], int, str]]) -> None:
-    batch = Batch(NOBODY, "trackEnqueueOp", lambda q: PointOp(q, Op()), (True,), 1.0)
+    batch = Batch(NOBODY, "trackEnqueueOp", lambda q: PointOp(q, Op()), 1.0)
     elements, expected = [], []
     for values, output, event in points:
         op = Op(trig_io_1=output, trig_event_3=event)
-        tail = element_tail("trackEnqueueOp", lambda q, op=op: PointOp(q, op), (True,))  # type: ignore[misc]  # mypy cannot infer a default of a lambda
+        tail = element_tail("trackEnqueueOp", lambda q, op=op: PointOp(q, op))  # type: ignore[misc]  # mypy cannot infer a default of a lambda
         elements.append(batch.element(values, tail))
         expected.append(PointOp(values, op))
     assert batch.encode(elements) == codec.encode(

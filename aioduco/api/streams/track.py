@@ -84,7 +84,7 @@ class TrackStream(Stream):
                 raise ParameterError("op", op, "left out, or the stream opened with operations")
             return b""
         made = rpc.Op() if op is None else op.wire("op", joint_motion=self._sent.in_joints)
-        tail = element_tail("trackEnqueueOp", lambda q: rpc.PointOp(q, made), (True,))
+        tail = element_tail("trackEnqueueOp", lambda q: rpc.PointOp(q, made))
         if len(tail) > _EXTRA:
             raise ParameterError("op", op, f"up to {_EXTRA} bytes on the wire, not {len(tail)}")
         return tail

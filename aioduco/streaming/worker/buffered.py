@@ -206,9 +206,8 @@ class RealtimeQueueDriver(Driver):
             setattr(data, queue.field, values)
             return data
 
-        self._batch = Batch(
-            connection, "realtime_data_enqueue", element, (True,), self._timeout, self._permit
-        )
+        name = "realtime_data_enqueue"
+        self._batch = Batch(connection, name, element, self._timeout, self._permit)
         self._depths = block.histograms["depth"].record
         self._running = False
         self._last = b""
@@ -325,7 +324,7 @@ class TrackPoolDriver(Driver):
         self._sent_as = block.config.sent
         self._pool = pool
         name, element = ("trackEnqueueOp", _plain) if pool.extra else ("trackEnqueue", list)
-        self._batch = Batch(connection, name, element, (True,), self._timeout, permit.require)
+        self._batch = Batch(connection, name, element, self._timeout, permit.require)
         self._depths = block.histograms["depth"].record
         self._age = block.histograms["age"].record
         self._checked: EnvelopeCheck | None = None

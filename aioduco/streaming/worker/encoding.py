@@ -77,7 +77,6 @@ class Batch:
         connection: connection for the calls, used only on its owner's thread.
         name: the function of the wire.
         element: makes an element of the list from the six numbers of a set-point.
-        others: the arguments after the list.
         timeout: time-out of each call [s].
         permit: called last before set-points are sent; it raises if that is not allowed.
     """
@@ -87,7 +86,6 @@ class Batch:
         connection: Connection,
         name: str,
         element: Callable[[list[float]], Any],
-        others: tuple[Any, ...],
         timeout: float,
         permit: Callable[[], object] | None = None,
     ) -> None:
@@ -95,7 +93,7 @@ class Batch:
         self._permit = permit
         self._timeout = timeout
         self._function = idl.functions()[name]
-        self._kind, encoded, self._rest = _parts(self._function, element, others)
+        self._kind, encoded, self._rest = _parts(self._function, element)
         #: the bytes before and after the six numbers in an element of the list
         self.head: bytes
         self.tail: bytes
@@ -118,20 +116,21 @@ class Batch:
         return answer
 
 
-def element_tail(
-    name: str, element: Callable[[list[float]], Any], others: tuple[Any, ...]
-) -> bytes:
+def element_tail(name: str, element: Callable[[list[float]], Any]) -> bytes:
     """The bytes after the six numbers of an element, for `Batch.element`."""
-    return _around(_parts(idl.functions()[name], element, others)[1])[1]
+    return _around(_parts(idl.functions()[name], element)[1])[1]
 
 
 def _parts(
-    function: idl.Function, element: Callable[[list[float]], Any], others: tuple[Any, ...]
+    function: idl.Function, element: Callable[[list[float]], Any]
 ) -> tuple[bytes, bytes, bytes]:
-    """The parts of a call with one element in its list: before the count, the element, the rest."""
-    encoded = codec.encode(function, ([element(list(_MARKS))], *others))
+    """The parts of a call with one element in its list: before the count, the element, the rest.
+
+    Behind the list the call has `block`, which is true: the answer says that the points were taken.
+    """
+    encoded = codec.encode(function, ([element(list(_MARKS))], True))
     # With an empty list, the bytes after the list's head are the rest of the call.
-    rest = codec.encode(function, ([], *others))[_LIST_HEAD:]
+    rest = codec.encode(function, ([], True))[_LIST_HEAD:]
     return encoded[: _LIST_HEAD - 4], encoded[_LIST_HEAD : len(encoded) - len(rest)], rest
 
 
