@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 from aioduco._wire import newer
 from aioduco._wire.rpc import calls
-from aioduco.api.points import listed
 from aioduco.api.section import Section, checked_task_id
 from aioduco.models import ranges
 from aioduco.models.op import wire_op
+from aioduco.models.rules.lists import listed
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -2,34 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Set
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 from aioduco.errors import Described, ParameterError
 from aioduco.models.op import PointOp
+from aioduco.models.rules.lists import listed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from aioduco.models.pose import Joints, Pose
     from aioduco.models.rules import Integer
-
-
-T = TypeVar("T")
-
-
-def listed(name: str, values: Iterable[T], expected: str) -> list[T]:
-    """Return the elements of an ordered iterable as a list.
-
-    Raises:
-        ParameterError: `values` is not iterable, or is a text, bytes, a mapping or a set.
-    """
-    if isinstance(values, (str, bytes, bytearray, Mapping, Set)):
-        raise ParameterError(name, values, expected)
-    try:
-        return list(values)
-    except TypeError as exc:
-        raise ParameterError(name, values, expected) from exc
 
 
 def points_with_outputs(

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from aioduco._wire.rpc import calls
-from aioduco.api.points import listed
 from aioduco.api.section import Section, check_finished
 from aioduco.api.streams.realtime import RealtimeStreams
 from aioduco.errors import ParameterError, Refused
 from aioduco.models import ranges
 from aioduco.models.realtime import RealtimeMode, RealtimePoint
+from aioduco.models.rules.lists import listed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -31,7 +31,7 @@ from aioduco.supervision.task import Task
 from aioduco.supervision.task_command import Command
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Iterator, Sequence
+    from collections.abc import Awaitable, Callable, Sequence
     from typing import Any
 
     from aioduco._wire.channel import LaneCall
@@ -185,19 +185,6 @@ class Dispatcher:
             command = replace(command, args=await command.aim(command))
         return command if self.check is None else await self.check(command)
 
-    @contextlib.contextmanager
-    def _held(self, command: Command) -> Iterator[None]:
-        """Hold the clock until the start time of a motion that this program must end is known."""
-        motion = command.continuous
-        if motion is None or not motion.timed_by_program or motion.time is None:
-            yield
-            return
-        release_clock = self._clock.hold(self._clock.now())
-        try:
-            yield
-        finally:
-            release_clock()
-
     async def _launch(
         self,
         command: Command,
@@ -209,14 +196,18 @@ class Dispatcher:
         before = self._last if command.motion else None
         if before is not None:
             before.life.successor_sent()
-        with self._held(command):
+        with contextlib.ExitStack() as held:
+            motion = command.continuous
+            if motion is not None and motion.timed_by_program and motion.time is not None:
+                # the clock waits until the start of a motion that this program must end is known
+                held.callback(self._clock.hold(self._clock.now()))
             call: LaneCall | None = None
             try:
                 if command.motion:
                     call, cancelled = await self._coordinator.answered(
                         *(self._lane, permit, command, self._settings.call_timeout),
                         followed=True,
-                        mode=command.continuous.mode if command.continuous else None,
+                        mode=None if motion is None else motion.mode,
                     )
                 else:
                     call = self._lane.prepare(command.name, command.args)

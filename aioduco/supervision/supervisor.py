@@ -200,7 +200,8 @@ class Supervisor:
             self._feed_lane, self.samples, self._background, settings.state_rate
         )
         self.events: Events = Events(
-            self.feed, self._feed_lane, self._background, self._heartbeat_state
+            *(self.feed, self._feed_lane, self._background),
+            lambda: self.heartbeat.state if self.heartbeat else HeartbeatState.OFF,
         )
         arm = self.stop_coordinator, self.rpc, self.feed
         self.envelope: EnvelopeKeeper = EnvelopeKeeper(
@@ -233,9 +234,6 @@ class Supervisor:
             self.gate.beaten(sent)
             for stream in tuple(self.stop_coordinator.streams):
                 stream.renew(self.gate.lease)
-
-    def _heartbeat_state(self) -> HeartbeatState:
-        return HeartbeatState.OFF if self.heartbeat is None else self.heartbeat.state
 
     def _lane(
         self, name: str, size: int = 1, *, blocks: bool = False, spare: bool = False

@@ -38,6 +38,20 @@ def ordered(name: str, value: object, expected: str) -> Sequence[Any]:
     raise ParameterError(name, value, f"{expected}, as a list, a tuple or a flat array")
 
 
+def listed(name: str, values: Iterable[T], expected: str) -> list[T]:
+    """Return the elements of an ordered iterable as a list.
+
+    Raises:
+        ParameterError: `values` is not iterable, or is a text, bytes, a mapping or a set.
+    """
+    if isinstance(values, (str, bytes, bytearray, Mapping, Set)):
+        raise ParameterError(name, values, expected)
+    try:
+        return list(values)
+    except TypeError as exc:
+        raise ParameterError(name, values, expected) from exc
+
+
 class Vector(Rule):
     """A list of numbers, each with its own bounds.
 
@@ -173,13 +187,7 @@ class Points(Rule):
         self, name: str, value: Iterable[VectorLike] | NDArray[np.floating[Any]]
     ) -> list[Any]:
         """Check the number of points, and return them unchanged."""
-        points: list[Any]
-        if isinstance(value, (str, bytes, bytearray, Mapping, Set)):
-            raise ParameterError(name, value, self.expected)
-        try:
-            points = list(value.tolist() if is_array(value) else value)
-        except TypeError as exc:
-            raise ParameterError(name, value, self.expected) from exc
+        points = listed(name, value.tolist() if is_array(value) else value, self.expected)
         if not self.low <= len(points) <= self.high:
             raise ParameterError(name, Described(f"{len(points)} points"), self.expected)
         return points

@@ -147,11 +147,6 @@ class GuardLink:
             # the guard has closed its end
             return
 
-    def join(self, timeout: float) -> bool:
-        """Wait for the thread, which waits for the process. Returns whether both have ended."""
-        self._thread.join(timeout)
-        return not self._thread.is_alive()
-
     def forked(self) -> None:
         """Close this copy of the socket in a forked child: the link belongs to the parent."""
         self.alive = False
@@ -229,7 +224,7 @@ class _Shared:
             if self._link is link:
                 self._link = None
         link.end()
-        link.join(_END_LIMIT)
+        link._thread.join(_END_LIMIT)  # which waits for the process
 
 
 #: one per process, because the guard serves the whole process, and detects its exit

@@ -86,7 +86,7 @@ class GuardClient:
         beat = self._beat
         if beat is None:
             return HeartbeatState.STARTING if not self.losses else HeartbeatState.LOST
-        state = beat.heartbeat_state
+        state = HeartbeatState(beat.state)
         if self._ended or state is HeartbeatState.STALLED:
             return state
         return HeartbeatState.LOST if not self.alive or self._silent else state
@@ -138,9 +138,8 @@ class GuardClient:
         """End the heartbeat; the guard sends the last beat before it releases the robot."""
         self._ended = True
 
-    def join(self, timeout: float) -> bool:  # noqa: ARG002  # signature of the local one
+    def join(self, timeout: float) -> None:
         """Return at once: the program does not wait for the guard's thread."""
-        return True
 
     def touch(self, stamp: float, moves: bool) -> bool:
         """Pass on a keep-alive of the event loop, and whether the program moves the arm.

@@ -10,8 +10,6 @@ from __future__ import annotations
 import json
 from typing import Final, NamedTuple, TypeAlias
 
-from aioduco.supervision.heartbeat import HeartbeatState
-
 #: buffer size [bytes], larger than any message
 MAX_PACKET: Final = 8192
 #: maximum number of characters of a text in a message
@@ -99,11 +97,6 @@ class Beat(NamedTuple):
     error: str
     lapsed: bool
     sent: float
-
-    @property
-    def heartbeat_state(self) -> HeartbeatState:
-        """The state as an enum."""
-        return HeartbeatState(self.state)
 
 
 class LogMessage(NamedTuple):
