@@ -15,6 +15,7 @@ from _common import CORES, HERE
 
 from aioduco._wire import codec, idl
 from aioduco._wire.connection import Connection
+from aioduco._wire.endpoint import Endpoint
 from aioduco._wire.lane import WireLane
 from aioduco._wire.rpc import RpcClient
 
@@ -92,7 +93,7 @@ class ServerProcess(Program):
 @contextlib.contextmanager
 def client(port: int) -> Iterator[RpcClient]:
     """A connection whose calls block."""
-    with contextlib.closing(Connection(HOST, port)) as connection:
+    with contextlib.closing(Connection(Endpoint(HOST, port))) as connection:
         connection.open()
         yield RpcClient(lambda name, args: connection.call(name, args, 60.0))
 

@@ -49,6 +49,7 @@ from thriftpy2.transport import TCyBufferedTransportFactory
 
 from aioduco._wire import idl
 from aioduco._wire.connection import Connection
+from aioduco._wire.endpoint import Endpoint
 
 if TYPE_CHECKING:
     import argparse
@@ -150,7 +151,7 @@ def apache_client(module: Any, port: int, stack: contextlib.ExitStack) -> Any:
 
 def sizes(name: str, port: int) -> tuple[int, int]:
     """Bytes of a call and of its answer."""
-    with contextlib.closing(Connection(HOST, port)) as connection:
+    with contextlib.closing(Connection(Endpoint(HOST, port))) as connection:
         connection.open()
         connection.call(name, CALLS[name], 2.0)
     return len(call_bytes(name, *CALLS[name])), connection._exchange.end

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, Final
 
 from aioduco._wire import codec, idl
 from aioduco._wire.deadline_socket import DeadlineSocket
-from aioduco._wire.endpoint import Endpoint
 from aioduco._wire.failures import DeadlinePassed, failure, reason_of
 from aioduco._wire.forks import fork_hooks
 from aioduco._wire.framing import Malformed
@@ -22,7 +21,7 @@ from aioduco.models.host_port import host_port
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from aioduco._wire.endpoint import Address, Route
+    from aioduco._wire.endpoint import Address, Endpoint
 
 #: seconds within which a call through `Connection.rpc` must be answered
 _CALL_TIMEOUT: Final = 2.0
@@ -37,32 +36,23 @@ class Connection:
     `abandon`, `undelivered` and, while no call is under way, `close`.
 
     Args:
-        host: name or address of the controller.
-        port: its TCP port.
-        connect_timeout: seconds within which `open` must connect, for all addresses of the host
-            and the resolution of its name together.
+        endpoint: where it leads; `open` must connect within its connect_timeout, for all addresses
+            of the host and the resolution of its name together.
         keeps_overdue: whether the connection stays open for `late_answer` if a command was
             delivered completely, but its answer is late. It carries no other call in either case.
         waiting: called every tenth of a second while a call waits for its answer.
-        route: which address of the host to try first; share it with other connections to the host.
-        endpoint: the controller's end, if the connection shares it with others; it has
-            the connect_timeout and the route then.
     """
 
     def __init__(
         self,
-        host: str,
-        port: int,
+        endpoint: Endpoint,
         *,
-        connect_timeout: float = 3.0,
         keeps_overdue: bool = False,
         waiting: Callable[[], object] | None = None,
-        route: Route | None = None,
-        endpoint: Endpoint | None = None,
     ) -> None:
-        self.host = host
-        self.port = port
-        self._endpoint = endpoint or Endpoint(host, port, connect_timeout, route=route)
+        self.host = endpoint.host
+        self.port = endpoint.port
+        self._endpoint = endpoint
         self._waiting = waiting
         self._keeps_overdue = keeps_overdue
         self._life = Lifecycle()

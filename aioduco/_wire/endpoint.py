@@ -157,7 +157,7 @@ class Endpoint:
         self,
         host: str,
         port: int,
-        connect_timeout: float,
+        connect_timeout: float = 3.0,
         purpose: str = "",
         route: Route | None = None,
         trace: Trace | None = None,

@@ -93,10 +93,4 @@ class OwnConnection:
         self.connection.close()
 
     def _new(self) -> Connection:
-        end = self._endpoint
-        return Connection(
-            *(end.host, end.port),
-            keeps_overdue=self._keeps_overdue,
-            waiting=self._waiting,
-            endpoint=end,
-        )
+        return Connection(self._endpoint, keeps_overdue=self._keeps_overdue, waiting=self._waiting)

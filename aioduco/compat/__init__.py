@@ -32,7 +32,7 @@ from aioduco._process.copying import Uncopied
 from aioduco._process.reporting import BackgroundLogger
 from aioduco._wire.connection import Connection
 from aioduco._wire.deadline_socket import WAKE_EVERY
-from aioduco._wire.endpoint import Route
+from aioduco._wire.endpoint import Endpoint, Route
 from aioduco._wire.forks import fork_hooks
 from aioduco._wire.idempotence import CallKind, call_kind
 from aioduco._wire.lifecycle import ConnectionState
@@ -229,7 +229,7 @@ class DucoCobot(Uncopied, NewerFunctions):
                     return 0
                 connection.close()
             self.last_error = None
-            connection = Connection(self.ip, self.port, route=self._route)
+            connection = Connection(Endpoint(self.ip, self.port, route=self._route))
             try:
                 connection.open()
             except (ConnectError, ConnectionLost) as exc:
@@ -324,7 +324,7 @@ class DucoCobot(Uncopied, NewerFunctions):
 
     def _send_aside(self, name: str, args: tuple[Any, ...]) -> Any:
         """Call on a new connection, while another call is in progress on the object's own one."""
-        connection = Connection(self.ip, self.port, route=self._route)
+        connection = Connection(Endpoint(self.ip, self.port, route=self._route))
         try:
             connection.open()
             return connection.call(name, args, self.timeout)

@@ -11,6 +11,7 @@ from api.cases import Case, cases
 import aioduco
 from aioduco import Joints
 from aioduco._wire.connection import Connection
+from aioduco._wire.endpoint import Endpoint
 from client.bench import HOME
 from client.older import NAMES, OLDER, WIRE, Field, OlderController
 
@@ -49,7 +50,7 @@ def test_each_function_is_answered_or_missing(name: str, older: OlderController)
     case: Case = CASES[name]
     older.answers[name] = theirs(case.answer, older.structs)
     older.received.clear()
-    connection = Connection(older.host, older.port)
+    connection = Connection(Endpoint(older.host, older.port))
     connection.open()
     try:
         if name not in older.layout.parameters:

@@ -16,6 +16,7 @@ from client.bench import HOME, Bench
 
 import aioduco
 from aioduco._wire.connection import Connection
+from aioduco._wire.endpoint import Endpoint
 from aioduco.compat import DucoCobot
 from aioduco.errors import ConnectError, ConnectTimeout, GuardLost, ParameterError, WorkerFailed
 from aioduco.streaming.shared.options import WorkerOptions
@@ -243,7 +244,7 @@ def test_what_can_be_no_host_is_refused_before_anything_is_tried(
     with pytest.raises(ParameterError, match=r"host is .*without http://, slashes, blanks"):
         aioduco.connect(host)
     with pytest.raises(ConnectError, match="the host must be"):
-        Connection(host, 7003).open()
+        Connection(Endpoint(host, 7003)).open()
 
 
 def test_a_port_in_the_host_is_said_of_the_vendors_class_too() -> None:

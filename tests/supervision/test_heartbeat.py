@@ -119,7 +119,7 @@ class Line(Connection):
     """A connection that notes what it is to call, and answers all of it."""
 
     def __init__(self, noted: list[object]) -> None:
-        super().__init__("192.0.2.1", 7003)
+        super().__init__(Endpoint("192.0.2.1", 7003))
         self._noted = noted
 
     def call(self, name: str, *_: object) -> object:

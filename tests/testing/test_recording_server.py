@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from aioduco._wire.connection import Connection
+from aioduco._wire.endpoint import Endpoint
 from aioduco.errors import ControllerError
 from aioduco.sim.refusal import Refusal
 from aioduco.testing import RecordingServer, no_leaks
@@ -18,7 +19,7 @@ def test_answers_as_it_was_told_and_remembers() -> None:
         no_leaks(),
         RecordingServer({"read_word_reg": lambda num: num + 1, "stop": 0}) as server,
     ):
-        connection = Connection(server.host, server.port)
+        connection = Connection(Endpoint(server.host, server.port))
         connection.open()
         assert connection.rpc.read_word_reg(7) == 8
         assert connection.rpc.stop(True) == 0

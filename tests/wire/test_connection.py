@@ -16,7 +16,7 @@ import pytest
 from aioduco._wire import codec, deadline_socket, idl, nonblocking, rpc
 from aioduco._wire.connection import Connection
 from aioduco._wire.deadline_socket import DeadlineSocket
-from aioduco._wire.endpoint import Route
+from aioduco._wire.endpoint import Endpoint, Route
 from aioduco._wire.framing import MAX_REPLY
 from aioduco._wire.lifecycle import ConnectionState, Progress
 from aioduco.errors import (
@@ -46,7 +46,7 @@ def nothing_left() -> Iterator[None]:
 @contextmanager
 def connected(*scripts: Callable[[Peer], None]) -> Iterator[tuple[Connection, ScriptedServer]]:
     with ScriptedServer(*scripts) as server:
-        connection = Connection(server.host, server.port)
+        connection = Connection(Endpoint(server.host, server.port))
         connection.open()
         try:
             yield connection, server
@@ -81,7 +81,7 @@ def test_a_caller_is_told_while_it_waits_for_an_answer() -> None:
         peer.answer(call, True)
 
     with ScriptedServer(patient) as server:
-        connection = Connection(server.host, server.port, waiting=waiting)
+        connection = Connection(Endpoint(server.host, server.port), waiting=waiting)
         connection.open()
         assert connection.call("robotmoving", (), PATIENCE) is True
         connection.close()
@@ -105,7 +105,7 @@ def test_a_function_without_a_result_returns_none() -> None:
 
 def test_states_and_repr_of_a_life() -> None:
     with ScriptedServer() as server:
-        connection = Connection(server.host, server.port)
+        connection = Connection(Endpoint(server.host, server.port))
         address = f"{server.host}:{server.port}"
         assert repr(connection) == f"<Connection {address} NEW, 0 calls>"
         connection.open()
@@ -170,7 +170,7 @@ def test_socket_options() -> None:
 def test_a_refused_port() -> None:
     with socket.create_server(("127.0.0.1", 0)) as closed:
         host, port = closed.getsockname()
-    connection = Connection(host, port)
+    connection = Connection(Endpoint(host, port))
     with pytest.raises(
         ConnectError, match=rf"cannot connect to {host}:{port}: .*refused"
     ) as raised:
@@ -184,12 +184,12 @@ def test_a_refused_port() -> None:
 @pytest.mark.parametrize("host", ["x" * 70, "a..b"])
 def test_a_host_that_cannot_be(host: str) -> None:
     with pytest.raises(ConnectError, match=r"unknown host|must be a name or an address"):
-        Connection(host, 7003).open()
+        Connection(Endpoint(host, 7003)).open()
 
 
 def test_a_controller_that_does_not_answer_the_handshake() -> None:
     with black_hole() as (host, port):
-        connection = Connection(host, port, connect_timeout=SHORT)
+        connection = Connection(Endpoint(host, port, SHORT))
         begin = time.monotonic()
         with pytest.raises(ConnectError, match="no answer in time"):
             connection.open()
@@ -198,7 +198,7 @@ def test_a_controller_that_does_not_answer_the_handshake() -> None:
 
 def test_the_deadline_of_the_caller_is_kept_if_it_is_sooner() -> None:
     with black_hole() as (host, port):
-        connection = Connection(host, port, connect_timeout=100 * PATIENCE)
+        connection = Connection(Endpoint(host, port, 100 * PATIENCE))
         with pytest.raises(ConnectError, match="no answer in time"):
             connection.open(time.monotonic() + SHORT)
 
@@ -208,7 +208,7 @@ def test_all_addresses_of_a_host_are_tried(names: Names) -> None:
         dead = closed.getsockname()
     with ScriptedServer() as server:
         names.addresses = [dead, (server.host, server.port)]
-        connection = Connection(NAME, 7003)
+        connection = Connection(Endpoint(NAME, 7003))
         connection.open()
         assert connection.rpc.stop(True) == 0
         connection.close()
@@ -220,7 +220,7 @@ def test_an_address_that_does_not_answer_leaves_time_for_the_others(names: Names
         names.addresses = [dead, (server.host, server.port)]
         route = Route()
         for patience in (2.0, 100 * PATIENCE):
-            connection = Connection(NAME, 7003, connect_timeout=patience, route=route)
+            connection = Connection(Endpoint(NAME, 7003, patience, route=route))
             connection.open()
             assert connection.rpc.stop(True) == 0
             connection.close()
@@ -454,7 +454,7 @@ def test_a_poisoned_connection_sends_nothing_more() -> None:
 def test_a_connection_that_is_not_open_sends_nothing(state: str) -> None:
     with connected() as (connection, server):
         if state == "new":
-            other = Connection(server.host, server.port)
+            other = Connection(Endpoint(server.host, server.port))
             other._owner = threading.get_ident()
         else:
             connection.close()
@@ -484,7 +484,7 @@ def test_abandon_wakes_a_call_that_waits_for_ever(
     background: Any, name: str, args: tuple[Any, ...], error: type[Exception]
 ) -> None:
     with ScriptedServer(silent) as server:
-        connection = Connection(server.host, server.port)
+        connection = Connection(Endpoint(server.host, server.port))
 
         def work() -> None:
             connection.open()
@@ -501,7 +501,7 @@ def test_abandon_wakes_a_call_that_waits_for_ever(
 
 def test_abandon_wakes_a_handshake(background: Any) -> None:
     with black_hole() as (host, port):
-        connection = Connection(host, port, connect_timeout=PATIENCE * 10)
+        connection = Connection(Endpoint(host, port, PATIENCE * 10))
         outcome = background(connection.open)
         eventually(lambda: connection._stream is not None)
         connection.abandon("enough")
@@ -516,7 +516,7 @@ def test_abandon_is_seen_at_every_moment_of_a_handshake(
 ) -> None:
     """Nothing is there yet that could be shut down, and the handshake would take for ever."""
     with black_hole() as (host, port):
-        connection = Connection(host, port, connect_timeout=PATIENCE * 10)
+        connection = Connection(Endpoint(host, port, PATIENCE * 10))
         made, connect = DeadlineSocket.__init__, DeadlineSocket.connect
 
         def slow_make(stream: DeadlineSocket, *args: Any) -> None:
@@ -540,7 +540,7 @@ def test_abandon_is_seen_at_every_moment_of_a_handshake(
 
 def test_what_is_abandoned_before_it_is_opened_stays_closed() -> None:
     with ScriptedServer() as server:
-        connection = Connection(server.host, server.port)
+        connection = Connection(Endpoint(server.host, server.port))
         connection.abandon("too late")
         with pytest.raises(ConnectionLost, match="too late"):
             connection.open()
@@ -567,7 +567,7 @@ def test_an_answer_that_comes_with_an_abandon_is_not_given(
 
 def test_a_connection_left_open_warns() -> None:
     with ScriptedServer() as server:
-        connection = Connection(server.host, server.port)
+        connection = Connection(Endpoint(server.host, server.port))
         connection.open()
         held = [connection]
         del connection

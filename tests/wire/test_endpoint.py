@@ -12,6 +12,7 @@ import anyio
 import pytest
 
 from aioduco._wire.connection import Connection
+from aioduco._wire.endpoint import Endpoint
 from aioduco._wire.lane import WireLane
 from aioduco.errors import ConnectError, ConnectionLost
 from aioduco.testing import eventually, eventually_async
@@ -68,7 +69,7 @@ async def test_an_unknown_name_is_said_so(names: Names) -> None:
     with pytest.raises(ConnectError, match=r"unknown host .*not known"):
         await lane.open()
     with pytest.raises(ConnectError, match=r"unknown host .*not known"):
-        Connection(NAME, 7003).open()
+        Connection(Endpoint(NAME, 7003)).open()
 
 
 async def test_a_name_without_a_thread_is_said_so(
@@ -124,7 +125,7 @@ async def test_a_lane_closes_while_its_name_server_hangs(names: Names) -> None:
 
 def test_a_connection_of_a_thread_waits_for_a_name_no_longer_than_its_limit(names: Names) -> None:
     names.answers.clear()
-    connection = Connection(NAME, 7003, connect_timeout=SHORT)
+    connection = Connection(Endpoint(NAME, 7003, SHORT))
     with pytest.raises(ConnectError, match="no answer in time"):
         connection.open()
     connection.close()

@@ -16,6 +16,7 @@ import pytest
 
 from aioduco._wire.connection import Connection
 from aioduco._wire.deadline_socket import DeadlineSocket
+from aioduco._wire.endpoint import Endpoint
 from aioduco.errors import DucoError, OutcomeUnknown
 from aioduco.testing import DropReply, FaultProxy, RecordingServer
 
@@ -154,7 +155,7 @@ def test_a_late_answer_to_a_command_can_be_waited_for() -> None:
         return 4
 
     with RecordingServer({"stop": 4, "servoj": late}) as server:
-        connection = Connection(server.host, server.port, keeps_overdue=True)
+        connection = Connection(Endpoint(server.host, server.port), keeps_overdue=True)
         connection.open()
         with pytest.raises(OutcomeUnknown):
             connection.call("servoj", ([0.0] * 6, 1.0, 1.0, False, 200.0, 25.0, 10.0, 1.0), 0.05)
@@ -174,7 +175,7 @@ def test_no_answer_is_waited_for_on_a_connection_that_ended() -> None:
         FaultProxy(server.host, server.port) as proxy,
     ):
         proxy.on("servoj", DropReply())
-        connection = Connection(proxy.host, proxy.port, keeps_overdue=True)
+        connection = Connection(Endpoint(proxy.host, proxy.port), keeps_overdue=True)
         connection.open()
         with pytest.raises(OutcomeUnknown):
             connection.call("servoj", ([0.0] * 6, 1.0, 1.0, False, 200.0, 25.0, 10.0, 1.0), 0.05)
@@ -187,7 +188,7 @@ def test_no_answer_is_waited_for_on_a_connection_that_ended() -> None:
 def test_what_is_undelivered_is_not_waited_for() -> None:
     with peer() as listener:
         host, port = listener.getsockname()
-        connection = Connection(host, port, keeps_overdue=True)
+        connection = Connection(Endpoint(host, port), keeps_overdue=True)
         connection.open()
         assert connection._stream is not None
         while not connection.undelivered:

@@ -109,7 +109,7 @@ class CheckSession:
     @contextlib.contextmanager
     def another(self) -> Iterator[Connection]:
         """Open a further connection."""
-        connection = Connection(*self.address)
+        connection = Connection(Endpoint(*self.address))
         connection.open()
         try:
             yield connection
