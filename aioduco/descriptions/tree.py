@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from aioduco.errors import ParameterError
-from aioduco.kinematics.bodies import bodies, cylinder_inertia
+from aioduco.kinematics.bodies import Capsule, bodies, cylinder_inertia
 from aioduco.kinematics.catalogue import arm_given
 from aioduco.kinematics.looks import looks
 from aioduco.kinematics.mounting import base_in_world
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from aioduco.kinematics.arm import Arm
-    from aioduco.kinematics.bodies import Capsule
     from aioduco.kinematics.looks import Look
     from aioduco.kinematics.mounting import MountingLike
     from aioduco.models.rotation import Array
@@ -76,9 +75,14 @@ class ToolDescription:
                 raise ParameterError(
                     "inertia", self.inertia, "three numbers above 0, none above the others' sum"
                 )
-        for part in self.parts:
-            if not part.radius > 0.0:
-                raise ParameterError("radius", part.radius, "above 0 [m]")
+        if not isinstance(self.parts, (list, tuple)):
+            raise ParameterError("parts", self.parts, "a list of Capsules")
+        for number, part in enumerate(self.parts):
+            if not isinstance(part, Capsule):
+                raise ParameterError(f"parts[{number}]", part, "a Capsule")
+            _THREE("start", part.start)
+            _THREE("end", part.end)
+            ranges.ABOVE("radius", part.radius)
 
     def inertias(self) -> Array:
         """Return the inertia about the centre of mass, in the flange's frame. Shape (3, 3)."""

@@ -10,12 +10,16 @@ import numpy as np
 
 from aioduco.errors import Described, ParameterError, Unreachable
 from aioduco.kinematics import forward, inverse, single
-from aioduco.models import bounds
+from aioduco.kinematics.geometry import Geometry
+from aioduco.models import bounds, ranges
 from aioduco.models.numpy_on_use import is_number, number_array
 from aioduco.models.pose import JointsLike, Pose, PoseLike
+from aioduco.models.rules import Number, Vector, stored
 
 if TYPE_CHECKING:
-    from aioduco.kinematics.geometry import Geometry
+    from collections.abc import Callable
+    from typing import Any
+
     from aioduco.models.rotation import Array
 
 __all__ = ["POSITION_LIMIT", "Arm", "Singularity"]
@@ -23,6 +27,7 @@ __all__ = ["POSITION_LIMIT", "Arm", "Singularity"]
 POSITION_LIMIT = 2 * math.pi
 """Joints reach ±2π [rad] (manual section 1.3.5). The vendor's URDFs say ±π."""
 
+_ANY, _ABOVE, _FROM_0 = Number(source="this package"), ranges.ABOVE, ranges.FROM_0
 _EXACT = 4e-13  # largest difference of an element of two poses that are 1e-12 m, rad apart
 _KEEP = 1e-9  # residual above which a branch counts as having no solution, after refinement
 
@@ -66,6 +71,9 @@ class Arm:
             Denavit-Hartenberg convention.
         lower: lower joint limits [rad], six.
         upper: upper joint limits [rad], six.
+
+    Raises:
+        ParameterError: one of them is not what it should be.
     """
 
     name: str
@@ -77,6 +85,14 @@ class Arm:
     centres: tuple[tuple[float, ...], ...] = field(repr=False)
     lower: tuple[float, ...] = (-POSITION_LIMIT,) * 6
     upper: tuple[float, ...] = (POSITION_LIMIT,) * 6
+
+    def __post_init__(self) -> None:
+        above, angles = _tuple(Vector(_ABOVE, length=6)), _tuple(Vector(_ANY, length=6))
+        stored(self, name=ranges.OWN_NAME, geometry=_geometry, centres=_centres)
+        stored(self, masses=_tuple(Vector(_FROM_0, length=7)))
+        stored(self, velocity=above, effort=above, acceleration=above, lower=angles, upper=angles)
+        if not all(low < high for low, high in zip(self.lower, self.upper, strict=True)):
+            raise ParameterError("upper", self.upper, f"above the lower limits, {self.lower}")
 
     @property
     def reach(self) -> float:
@@ -220,3 +236,24 @@ def _matrix(flange: PoseLike | Array) -> Array:
     if isinstance(flange, np.ndarray) and flange.shape == (4, 4):
         return number_array("flange", flange, "a matrix of numbers")
     return Pose.of(flange).matrix
+
+
+def _tuple(rule: Vector) -> Callable[[str, Any], tuple[float, ...]]:
+    return lambda name, value: tuple(rule(name, value))
+
+
+def _geometry(name: str, value: Any) -> Geometry:
+    if not isinstance(value, Geometry):
+        raise ParameterError(name, value, "a Geometry")
+    lengths: dict[str, Any] = {
+        each: _ANY(each, length) for each, length in zip(value._fields, value.lengths, strict=False)
+    }
+    return value._replace(**lengths)
+
+
+def _centres(name: str, value: Any) -> tuple[tuple[float, ...], ...]:
+    expected = "seven times three numbers [m]"
+    array = number_array(name, value, expected)
+    if array.shape != (7, 3):
+        raise ParameterError(name, value, expected)
+    return tuple(map(tuple, array.tolist()))

@@ -243,6 +243,11 @@ def test_what_is_wrong_is_said(tmp_path: Path) -> None:
         ToolDescription(inertia=(1, 1))
     with pytest.raises(ParameterError, match="radius"):
         ToolDescription(parts=[Capsule((0, 0, 0), (0, 0, 1), 0.0)])
+    with pytest.raises(ParameterError, match="end"):
+        ToolDescription(parts=[Capsule((0, 0, 0), (0, 1), 0.1)])  # type: ignore[arg-type]
+    for parts in list[Any]([None, "hand", {}, [1.0]]):
+        with pytest.raises(ParameterError, match="parts"):
+            ToolDescription(parts=parts)
 
 
 def test_home_is_that_of_the_examples() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -34,6 +35,37 @@ def any_arm(request: pytest.FixtureRequest) -> Arm:
 
 def configurations(count: int = 50) -> Array:
     return np.random.default_rng(1).uniform(-2 * np.pi, 2 * np.pi, (count, 6))
+
+
+@pytest.mark.parametrize(
+    ("name", "wrong"),
+    [
+        ("velocity", [(1.0,) * 5, (math.nan,) * 6, (-1.0,) * 6, "abcdef", 1.0, None]),
+        ("effort", [(0.0,) * 6]),
+        ("masses", [(1.0,) * 6, (-1.0,) * 7]),
+        ("centres", [((0.0,) * 3,) * 6, "centre", 1.0]),
+        ("lower", [(7.0,) * 6, (0.0,) * 5]),
+        ("upper", [(-7.0,) * 6, (10**400,) * 6]),
+        ("geometry", [3, ARMS[0].geometry._replace(d1=math.nan), (1.0,) * 6]),
+        ("name", [3, ""]),
+    ],
+)
+def test_numbers_of_ones_own_are_checked(name: str, wrong: list[Any]) -> None:
+    for value in wrong:
+        with pytest.raises(ParameterError):
+            replace(ARMS[0], **{name: value})
+
+
+def test_numbers_of_ones_own_may_come_in_lists() -> None:
+    given: dict[str, Any] = {
+        "velocity": [1.0] * 6,
+        "upper": np.full(6, 3),
+        "centres": np.zeros((7, 3)).tolist(),
+    }
+    own = replace(ARMS[0], **given)
+    assert (own.velocity, own.upper) == ((1.0,) * 6, (3.0,) * 6)
+    assert hash(own) != hash(ARMS[0])
+    assert own == replace(own)
 
 
 def test_there_are_thirteen_models() -> None:
