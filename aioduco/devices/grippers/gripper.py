@@ -32,18 +32,18 @@ from aioduco.errors import (
     ParameterError,
 )
 from aioduco.models import ranges
-from aioduco.models.rules import Number
+from aioduco.models.gripper_models import GripperModel
+from aioduco.models.rules import Number, Vector
 from aioduco.supervision.concurrency import BackgroundTasks, Silence, every
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
     from typing import ClassVar, Self
 
-    from aioduco.models.gripper_models import GripperModel
-
 
 _log = BackgroundLogger(__name__)
 
+_PAIR = Vector(ranges.FROM_0, length=2)
 #: seconds within which the gripper must answer the command to halt
 _HALTING = 2.0
 
@@ -105,7 +105,7 @@ class PolledGripper(Uncopied, ABC):
         timeout: float = 10.0,
         max_age: float = 1.0,
     ) -> None:
-        self._model = model
+        self._model = model = _checked(model)
         self._poll = ranges.TIMEOUT("poll", poll)
         self._timeout = ranges.TIMEOUT("timeout", timeout)
         self._max_age = ranges.TIMEOUT("max_age", max_age)
@@ -441,3 +441,24 @@ class PolledGripper(Uncopied, ABC):
             if self._lost or self._unknown:
                 scope.cancel()
                 return
+
+
+def _checked(model: GripperModel) -> GripperModel:
+    """The figures of a model, which a driver of one's own may have made."""
+    if not isinstance(model, GripperModel):
+        raise ParameterError("model", model, "a GripperModel")
+    return model._replace(
+        name=ranges.OWN_NAME("name", model.name),
+        title=ranges.OWN_NAME("title", model.title),
+        stroke=ranges.FROM_0("stroke", model.stroke),
+        force=_pair("force", model.force),
+        speed=None if model.speed is None else _pair("speed", model.speed),
+        fastest=ranges.FROM_0("fastest", model.fastest),
+    )
+
+
+def _pair(name: str, value: tuple[float, float]) -> tuple[float, float]:
+    low, high = _PAIR(name, value)
+    if low > high:
+        raise ParameterError(name, value, "the smallest, then the largest")
+    return low, high

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
+from typing import Any
 
 import anyio
 import pytest
@@ -14,19 +16,27 @@ import aioduco.sync
 from aioduco import errors
 from aioduco._wire import rpc
 from aioduco.devices.grippers import DigitalGripper, GripperState, PolledGripper
-from aioduco.models.gripper_models import gripper_model
+from aioduco.models.gripper_models import GripperModel, gripper_model
 from aioduco.robot import Robot
 from aioduco.testing import eventually, eventually_async
 
 from .test_drivers import robotiq
 
+PARALLEL = gripper_model("parallel")
+
 
 class Hand(PolledGripper):
     """A gripper that holds something once it was closed, and reports what the test says."""
 
-    def __init__(self, robot: Robot | None = None, *, max_age: float = 30.0) -> None:
+    def __init__(
+        self,
+        robot: Robot | None = None,
+        *,
+        max_age: float = 30.0,
+        model: GripperModel = PARALLEL,
+    ) -> None:
         del robot
-        super().__init__(gripper_model("parallel"), poll=0.005, max_age=max_age)
+        super().__init__(model, poll=0.005, max_age=max_age)
         self.holding: bool | None = None
         self.error: Exception | None = None
         self.answers = anyio.Event()
@@ -210,6 +220,31 @@ async def test_a_sample_from_before_a_movement_does_not_say_how_it_ended() -> No
             gripper._timeout = 0.3
             with pytest.raises(errors.GripperTimeout, match=r"its outputs stay .* may still move"):
                 await gripper.close()
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("name", 3),
+        ("title", ""),
+        ("stroke", -1.0),
+        ("stroke", [1.0]),
+        ("force", 3.0),
+        ("force", (5.0, 1.0)),
+        ("speed", "fast"),
+        ("fastest", math.nan),
+    ],
+)
+def test_the_figures_of_a_gripper_of_ones_own_are_checked(name: str, value: Any) -> None:
+    changed: dict[str, Any] = {name: value}
+    with pytest.raises(errors.ParameterError, match=f"^{name}"):
+        Hand(model=PARALLEL._replace(**changed))
+
+
+@pytest.mark.parametrize("model", ["parallel", None, 3])
+def test_the_model_of_a_gripper_is_a_model(model: Any) -> None:
+    with pytest.raises(errors.ParameterError, match="model is"):
+        Hand(model=model)
 
 
 async def test_a_gripper_is_polled_once_however_often_it_is_started() -> None:
