@@ -334,6 +334,12 @@ async def test_the_picture_shows_the_arm_where_it_is(chromium: BrowserContext) -
         await frame.locator("canvas").first.wait_for(state="visible")
         await page.wait_for_selector("#scene-wait", state="hidden")  # a body of the arm is drawn
         await frame.locator("[data-floating-window]").first.wait_for(state="hidden")
+        # Below 768 pixels another box, at the lower end, would cover most of it.
+        await page.set_viewport_size({"width": 390, "height": 844})
+        await frame.locator("[data-floating-window]").first.wait_for(state="detached")
+        box = frame.locator(".mantine-Paper-root").first
+        await box.wait_for(state="attached")
+        assert not await box.is_visible()
         # To the browser it is another site's, and so drawn in a process of its own.
         (picture,) = (each for each in page.frames if each != page.main_frame)
         assert picture.url.startswith("http://localhost:")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from typing import Any
 
 import numpy as np
@@ -10,8 +11,11 @@ from cli_runner import CliRunner
 
 import aioduco
 from aioduco.cli.app import app
+from aioduco.envelope import Envelope, Zone
 from aioduco.integrations.panel.twin_view import parted_text, twin_text
+from aioduco.planning import Scene
 from aioduco.sim import Simulator
+from aioduco.sim.scene import Sphere, Table
 from aioduco.sim.twin.data import TwinSample
 from aioduco.sim.twin.limits import TwinLimits
 from aioduco.sim.twin.monitor import TwinFigures, TwinMonitor
@@ -24,8 +28,6 @@ try:
     from integrations.panel.test_panel import PATIENT, page_of
 except ImportError:  # without the extra
     pytest.skip("needs pip install 'aioduco[panel]'", allow_module_level=True)
-from collections.abc import Iterator
-
 HOME = (0.0, -0.3, 1.8, 0.0, -1.57, 0.0)
 ARM = aioduco.kinematics.arm("gcr5_910")
 
@@ -69,21 +71,42 @@ def test_the_twin_is_behind_the_set_points_by_the_normal_lag() -> None:
     np.testing.assert_allclose(monitor.joints, wanted)
 
 
-@pytest.fixture
-def scene() -> Iterator[ArmScene]:
-    scene = ArmScene(ARM, 0, None, None, twin=True)
-    yield scene
-    scene.close()
+@pytest.mark.parametrize("which", ["told", "aim", "twin"])
+def test_what_differs_from_the_arm_is_drawn_where_it_is(which: str) -> None:
+    """What it was told, where the sliders point, and its twin."""
+    with contextlib.closing(ArmScene(ARM, 0, None, None, twin=True)) as scene:
+        apart = (0.1, *HOME[1:])
+        for shown in (HOME, apart, HOME, apart):
+            others: dict[str, Any] = {"told": HOME, "aim": None, which: shown}
+            scene.show(HOME, **others)
+            root, links = scene._arms[which]
+            assert root.visible is (shown is apart)
+        np.testing.assert_allclose(links[0].wxyz, (np.cos(0.05), 0.0, 0.0, np.sin(0.05)), atol=1e-6)
 
 
-def test_the_twin_is_drawn_where_it_differs(scene: ArmScene) -> None:
-    apart = (0.1, *HOME[1:])
-    for twin, seen in ((None, False), (HOME, False), (apart, True), (HOME, False)):
-        scene.show(HOME, HOME, None, twin)
-        root, links = scene._arms["twin"]
-        assert root.visible is seen
-    scene.show(HOME, HOME, None, apart)
-    np.testing.assert_allclose(links[0].wxyz, (np.cos(0.05), 0.0, 0.0, np.sin(0.05)), atol=1e-6)
+def test_things_and_zones_are_drawn_where_they_are() -> None:
+    table = Table(at=(0.62, 0.0, 0.24), size=(0.5, 0.8), name="table")
+    ball = Sphere(at=(0.0, 0.5, 0.3), radius=0.1, name="ball")
+    zones = [
+        Zone.box((0.0, 0.72, 0.55), (1.3, 0.04, 1.1)),
+        Zone.sphere((0.0, 0.0, 1.0), 0.3),
+        Zone.plane((0.0, 0.0, 0.02), (0.0, 0.0, 1.0)),
+    ]
+    around = Scene("gcr5_910", [table, ball]), Envelope("gcr5_910", *zones)
+    with contextlib.closing(ArmScene(ARM, 0, *around)) as scene:
+        drawn = scene._server.scene._handle_from_node_name
+        for name, place, size in (
+            ("/things/table", (0.62, 0.0, 0.24), None),
+            ("/things/table/0", (0.0, 0.0, -0.01), (0.5, 0.8, 0.02)),
+            ("/things/ball", (0.0, 0.5, 0.3), None),
+            ("/things/ball/0", (0.0, 0.0, 0.0), 0.1),
+            ("/base/zones/0", (0.0, 0.72, 0.55), (1.3, 0.04, 1.1)),
+            ("/base/zones/1", (0.0, 0.0, 1.0), 0.3),
+            ("/base/zones/2", (0.0, 0.0, 0.02), (2.4, 2.4, 0.002)),
+        ):
+            node: Any = drawn[name]
+            assert tuple(node.position) == place
+            assert getattr(node, "dimensions", getattr(node, "radius", None)) == size
 
 
 @pytest.mark.slow
