@@ -244,6 +244,10 @@ class Gate:
             self._require_current(name, within)
         return Permit(name, self._lasting if lasting else self._epoch, self.stops)
 
+    def present(self, name: str) -> Permit:
+        """Return a permit of this moment, valid or not: what belongs to it ends with it."""
+        return Permit(name, self._epoch, self.stops)
+
     def check(self, permit: Permit, now: float) -> None:
         """Check that a permit is valid; the last thing before bytes are handed to a socket.
 

@@ -97,6 +97,19 @@ class Permits:
         """
         return self.within(self.ask(name, lasting=True))
 
+    def from_now(self, name: str) -> contextlib.AbstractContextManager[None]:
+        """Let what the block hands over to the robot's loop count as asked for now; any thread.
+
+        A stop or a pause that comes before the loop has begun it ends it. It is refused when the
+        loop asks, and not here: most of it moves nothing.
+
+        Args:
+            name: what is handed over, for messages.
+        """
+        if any(owner is self for owner, _ in _undertakings.get()):
+            return contextlib.nullcontext()  # its permit is older
+        return self.within(self.gate.present(name))
+
     @contextlib.contextmanager
     def within(self, permit: Permit) -> Iterator[None]:
         """Let everything that is asked for in the block end with a permit."""

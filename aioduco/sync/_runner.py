@@ -6,6 +6,8 @@ Guarantees:
   waited for has been stopped by then. A second Ctrl-C does not shorten this: nothing by which a
   thread of the program waits, or hands its calls over, has a lock that an interrupt could leave
   held or let go of, as `threading.Event` and futures have.
+- A call belongs to the moment in which it was made: a stop of another thread ends it although the
+  loop, which was busy, had not begun it.
 - If the main thread ends without closing the robot, the loop's thread closes it, which stops this
   program's motions. The loop's thread keeps the process alive until then.
 - A motion without an end of its own is stopped when the thread that holds it has made no call for
@@ -16,6 +18,7 @@ from __future__ import annotations
 
 import threading
 import time
+from contextvars import copy_context
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import anyio
@@ -304,7 +307,12 @@ class Runner:
                 "this is called on the thread of the robot's event loop, as predicates are: it "
                 "would wait for itself. Nothing was sent"
             )
-        self._loop.run(lambda: self._begin(call))
+        # in a copy of the context: an interrupt leaves nothing in the thread's own
+        copy_context().run(self._send_over, call)
+
+    def _send_over(self, call: StartedCall[Any]) -> None:
+        with self.robot._supervisor.permits.from_now("a call"):
+            self._loop.run(lambda: self._begin(call))
 
     def _cancel_call(
         self, call: StartedCall[T], undo: Callable[[T], Coroutine[Any, Any, object]] | None

@@ -6,13 +6,17 @@ import asyncio
 import subprocess
 import sys
 import threading
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from unittest.mock import Mock
 
 import pytest
 from api.desk import Desk
 from interpreter import python
 
 import aioduco.sync
-from aioduco import ConnectError, Joints, Outcome, RobotStateError
+from aioduco import ConnectError, Joints, Outcome, RobotStateError, TaskStopped
+from aioduco.supervision.gate import PermitEnding
 from aioduco.sync import Robot
 from aioduco.testing import eventually, no_leaks
 from sync.conftest import meanwhile
@@ -118,6 +122,46 @@ def test_any_thread_may_stop(robot: Robot, desk: Desk, way: str) -> None:
         pytest.raises(aioduco.TaskStopped),
     ):
         robot.motion.movej2(HOME, v=1.0, a=1.0)
+
+
+@pytest.mark.parametrize("way", ["stop_now", "pause"])
+def test_a_stop_ends_what_another_thread_has_called_for(
+    desk: Desk, monkeypatch: pytest.MonkeyPatch, way: str
+) -> None:
+    """Although the loop has not begun it: it was called for before the stop."""
+    held, called, free = threading.Event(), threading.Event(), threading.Event()
+
+    def hand_over(work: Callable[[], object]) -> None:
+        run(work)
+        called.set()
+
+    def hold() -> None:
+        held.set()
+        free.wait()
+
+    with (
+        aioduco.sync.connect(
+            desk.host, desk.port, heartbeat=30.0, loop_stall_limit=30.0, lag_limit=None
+        ) as robot,
+        ThreadPoolExecutor() as threads,
+    ):
+        loop = robot._runner._loop
+        holding = threads.submit(robot._runner.call_sync, hold)
+        held.wait()
+        run = loop.run
+        monkeypatch.setattr(robot._runner, "_loop", Mock(run=hand_over))
+        moved = threads.submit(robot.motion.movej2, HOME, v=1.0, a=1.0)
+        called.wait()
+        if way == "stop_now":
+            robot.stop_now()
+        else:
+            robot._made._supervisor.gate.end(PermitEnding.PAUSED)
+        free.set()
+        holding.result()
+        with pytest.raises(TaskStopped, match="not sent"):
+            moved.result()
+        assert "movej2" not in desk.commands
+        robot.motion.movej2(HOME, v=1.0, a=1.0)  # one that is called for later is another one
 
 
 def test_a_predicate_can_end_the_program(robot: Robot) -> None:
