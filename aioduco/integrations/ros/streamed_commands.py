@@ -75,6 +75,7 @@ class StreamedCommands:
     def _block(self) -> None:
         """Ignore commands until they cease, those that are not followed yet, too."""
         self._blocked = True
+        self._came = anyio.current_time()  # time in which this driver stood still does not count
 
     def _note_command(self) -> float:
         """Note that a command has come; return when [s]."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Callable, Iterator
 from typing import Any
 
 import anyio
@@ -13,9 +13,11 @@ import pytest
 
 from aioduco.errors import ParameterError
 from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings
-from aioduco.integrations.ros.joint_commands import check_command
+from aioduco.integrations.ros.joint_commands import JointCommands, check_command
 from aioduco.integrations.ros.node_parameters import parameter_defaults, settings_of
+from aioduco.integrations.ros.streamed_commands import StreamedCommands
 from aioduco.integrations.ros.trajectory_goals import GoalRefused
+from aioduco.integrations.ros.twist_commands import TwistCommands
 from aioduco.sim import Simulator
 from aioduco.testing import eventually_async
 
@@ -92,6 +94,25 @@ async def test_a_stop_is_not_undone_by_what_is_followed_only_later(
         assert not node.twists.take([0.0, 0.0, 0.05, 0.0, 0.0, 0.0])
         assert (await node.services.recover()).success
         await lead(node, sim, way(0.4, 0.1))
+
+
+async def test_a_driver_that_stood_still_takes_that_for_no_end_of_the_commands() -> None:
+    """Its stream has ended meanwhile, and the commands have gone on."""
+    robot: Any = None
+    given: dict[str, Any] = {"busy": lambda: False, "options": None, "timeout": 0.5}
+    joints = JointCommands(robot, PROFILE, rate=100.0, hold=False, reach=0.1, **given)
+    twists = TwistCommands(robot, base="base", tips=(), **given)
+    taken: list[tuple[StreamedCommands, Callable[[], bool]]] = [
+        (joints, lambda: joints.take(NAMES, START)),
+        (twists, lambda: twists.take((0.0,) * 6)),
+    ]
+    for commands, take in taken:
+        assert take()
+        commands._came -= 5.0  # frozen so long
+        commands._block()
+        assert not take()
+        commands._came -= 0.6  # and not frozen
+        assert take()
 
 
 @pytest.mark.slow
