@@ -50,8 +50,8 @@ class Connection:
         keeps_overdue: bool = False,
         waiting: Callable[[], object] | None = None,
     ) -> None:
-        self.host = endpoint.host
-        self.port = endpoint.port
+        self.host: str = endpoint.host
+        self.port: int = endpoint.port
         self._endpoint = endpoint
         self._waiting = waiting
         self._keeps_overdue = keeps_overdue
