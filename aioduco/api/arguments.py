@@ -11,17 +11,17 @@ if TYPE_CHECKING:
     from aioduco._wire import rpc
     from aioduco.models.op import Op
     from aioduco.models.pose import JointsLike
-    from aioduco.models.rules import Number
+    from aioduco.models.rules import Number, Real
 
 
 def limits(
-    speed: Number, acceleration: Number, v: float, a: float, r: float
+    speed: Number, acceleration: Number, v: Real, a: Real, r: Real
 ) -> tuple[float, float, float]:
     """Speed and acceleration by their ranges, and the blend radius [m]."""
     return speed("v", v), acceleration("a", a), ranges.BLEND_RADIUS("r", r)
 
 
-def line(v: float, a: float, r: float) -> tuple[float, float, float]:
+def line(v: Real, a: Real, r: Real) -> tuple[float, float, float]:
     """Speed [m/s], acceleration [m/s²] and blend radius [m] of a path of the tool."""
     return limits(ranges.LINE_SPEED, ranges.LINE_ACCELERATION, v, a, r)
 
@@ -32,7 +32,7 @@ def frames(q_near: JointsLike | None, tool: str, wobj: str) -> tuple[list[float]
     return near, ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
 
 
-def gains(kp: float, kd: float, smooth_vel: float, smooth_acc: float) -> list[float]:
+def gains(kp: Real, kd: Real, smooth_vel: Real, smooth_acc: Real) -> list[float]:
     """The four gains of a servo function."""
     return [
         ranges.SERVO_KP("kp", kp),

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from aioduco.models.jog import Jog, JogDirections
     from aioduco.models.op import Op, PointOp
     from aioduco.models.pose import JointsLike, PoseLike
-    from aioduco.models.rules import VectorLike
+    from aioduco.models.rules import Real, VectorLike
     from aioduco.streaming.shared.turning import MotionFrame
     from aioduco.supervision.supervisor import Supervisor
 
@@ -82,10 +82,10 @@ class BlockingMotions(Section):
     async def movej2(
         self,
         joints: JointsLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         op: Op | None = None,
         def_acc: bool = False,
     ) -> TaskState:
@@ -114,10 +114,10 @@ class BlockingMotions(Section):
     async def movej_pose2(
         self,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         q_near: JointsLike | None = None,
         tool: str = '',
         wobj: str = '',
@@ -155,10 +155,10 @@ class BlockingMotions(Section):
     async def movej(
         self,
         joints: JointsLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         op: Op | None = None,
         def_acc: bool = False,
     ) -> TaskState:
@@ -191,10 +191,10 @@ class BlockingMotions(Section):
     async def movej_pose(
         self,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         q_near: JointsLike | None = None,
         tool: str = '',
         wobj: str = '',
@@ -236,10 +236,10 @@ class BlockingMotions(Section):
     async def movel(
         self,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         q_near: JointsLike | None = None,
         tool: str = '',
         wobj: str = '',
@@ -277,10 +277,10 @@ class BlockingMotions(Section):
     async def tcp_move(
         self,
         offset: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         tool: str = '',
         op: Op | None = None,
         def_acc: bool = False,
@@ -314,10 +314,10 @@ class BlockingMotions(Section):
         self,
         p1: PoseLike,
         p2: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         tool: str = '',
         wobj: str = '',
         op: Op | None = None,
@@ -355,10 +355,10 @@ class BlockingMotions(Section):
     async def wobj_move(
         self,
         offset: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         wobj: str = '',
         op: Op | None = None,
         def_acc: bool = False,
@@ -393,10 +393,10 @@ class BlockingMotions(Section):
         self,
         p1: PoseLike,
         p2: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         tool: str = '',
         wobj: str = '',
         op: Op | None = None,
@@ -435,10 +435,10 @@ class BlockingMotions(Section):
         self,
         via: PoseLike,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         mode: int = 0,
         q_near: JointsLike | None = None,
         tool: str = '',
@@ -482,10 +482,10 @@ class BlockingMotions(Section):
         self,
         p1: PoseLike,
         p2: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         mode: int = 1,
         q_near: JointsLike | None = None,
         tool: str = '',
@@ -527,13 +527,13 @@ class BlockingMotions(Section):
     async def spline(
         self,
         poses: Iterable[PoseLike],
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
         tool: str = '',
         wobj: str = '',
         op: Op | None = None,
-        r: float = 0.0,
+        r: Real = 0.0,
         def_acc: bool = False,
     ) -> TaskState:
         """Move the tool along a spline through poses (样条运动).
@@ -567,13 +567,13 @@ class BlockingMotions(Section):
     async def spline_op(
         self,
         points: Iterable[PointOp],
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
         tool: str = '',
         wobj: str = '',
         op: Op | None = None,
-        r: float = 0.0,
+        r: Real = 0.0,
         def_acc: bool = False,
     ) -> TaskState:
         """Move the tool along a spline, and set outputs at its points (样条运动, 触发点位 OP).
@@ -607,12 +607,12 @@ class BlockingMotions(Section):
         self,
         center: PoseLike,
         pose: PoseLike | None,
-        rev: float,
-        length: float,
-        radius: float,
+        rev: Real,
+        length: Real,
+        radius: Real,
         mode: int,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
         q_near: JointsLike | None = None,
         tool: str = '',
@@ -656,7 +656,7 @@ class BlockingMotions(Section):
         return await self._block(motion)
 
     async def speedj(
-        self, velocities: VectorLike, a: float, *, time: float | None = 1.0
+        self, velocities: VectorLike, a: Real, *, time: Real | None = 1.0
     ) -> TaskState:
         """Turn the joints, each at a velocity (关节速度运动), for a time.
 
@@ -682,9 +682,9 @@ class BlockingMotions(Section):
     async def speedl(
         self,
         twist: VectorLike,
-        a: float,
+        a: Real,
         *,
-        time: float | None = 1.0,
+        time: Real | None = 1.0,
         frame: MotionFrame = 'tool',
         wobj: str = '',
     ) -> TaskState:
@@ -718,13 +718,13 @@ class BlockingMotions(Section):
     async def servoj(
         self,
         joints: JointsLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        kp: float = 200.0,
-        kd: float = 25.0,
-        smooth_vel: float = 10.0,
-        smooth_acc: float = 1.0,
+        kp: Real = 200.0,
+        kd: Real = 25.0,
+        smooth_vel: Real = 10.0,
+        smooth_acc: Real = 1.0,
     ) -> TaskState:
         """Go to joint angles, each joint independently (关节伺服运动), from any state of motion.
 
@@ -755,16 +755,16 @@ class BlockingMotions(Section):
     async def servoj_pose(
         self,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
         q_near: JointsLike | None = None,
         tool: str = '',
         wobj: str = '',
-        kp: float = 200.0,
-        kd: float = 25.0,
-        smooth_vel: float = 10.0,
-        smooth_acc: float = 1.0,
+        kp: Real = 200.0,
+        kd: Real = 25.0,
+        smooth_vel: Real = 10.0,
+        smooth_acc: Real = 1.0,
     ) -> TaskState:
         """Go to a pose of the tool, each joint independently (关节伺服运动到位姿).
 
@@ -799,16 +799,16 @@ class BlockingMotions(Section):
     async def servo_tcp(
         self,
         offset: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
         tool: str = '',
         frame: MotionFrame = 'tool',
         wobj: str = '',
-        kp: float = 200.0,
-        kd: float = 25.0,
-        smooth_vel: float = 10.0,
-        smooth_acc: float = 1.0,
+        kp: Real = 200.0,
+        kd: Real = 25.0,
+        smooth_vel: Real = 10.0,
+        smooth_acc: Real = 1.0,
     ) -> TaskState:
         """Shift the arm's present target by an offset of the tool (工具增量伺服运动).
 
@@ -847,16 +847,16 @@ class BlockingMotions(Section):
     async def servol(
         self,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
         q_near: JointsLike | None = None,
         tool: str = '',
         wobj: str = '',
-        kp: float = 200.0,
-        kd: float = 25.0,
-        smooth_vel: float = 10.0,
-        smooth_acc: float = 1.0,
+        kp: Real = 200.0,
+        kd: Real = 25.0,
+        smooth_vel: Real = 10.0,
+        smooth_acc: Real = 1.0,
     ) -> TaskState:
         """Go to a pose of the tool, each Cartesian direction independently (笛卡尔伺服运动).
 
@@ -930,7 +930,7 @@ class BlockingMotions(Section):
         """
         return await self._block(self._of_program.run_program(name))
 
-    async def trackJointMotion(self, speed: float, acc: float) -> TaskState:
+    async def trackJointMotion(self, speed: Real, acc: Real) -> TaskState:
         """Follow the points of the pool as joint angles (关节轨迹池跟随), until none is left.
 
         It is `robot.track.trackJointMotion` by the manual's blocking call.
@@ -951,7 +951,7 @@ class BlockingMotions(Section):
         return await self._block(self._of_track.trackJointMotion(speed, acc))
 
     async def trackCartMotion(
-        self, speed: float, acc: float, *, wobj: str = '', tool: str = '', radius: float = 0.005
+        self, speed: Real, acc: Real, *, wobj: str = '', tool: str = '', radius: Real = 0.005
     ) -> TaskState:
         """Follow the points of the pool as poses (笛卡尔轨迹池跟随), until none is left.
 
@@ -978,7 +978,7 @@ class BlockingMotions(Section):
         return await self._block(motion)
 
     async def move_eaxis(
-        self, scheme_name: str, epose: VectorLike, v: float, *, op: Op | None = None
+        self, scheme_name: str, epose: VectorLike, v: Real, *, op: Op | None = None
     ) -> TaskState:
         """Move external axes (外部轴移动); the arm stays where it is.
 
@@ -1004,13 +1004,13 @@ class BlockingMotions(Section):
     async def movej2_eaxis(
         self,
         joints: JointsLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         scheme_name: str,
         epose: VectorLike,
-        eaxis_v: float,
+        eaxis_v: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         op: Op | None = None,
         def_acc: bool = False,
     ) -> TaskState:
@@ -1046,13 +1046,13 @@ class BlockingMotions(Section):
     async def movej2_pose_eaxis(
         self,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         scheme_name: str,
         epose: VectorLike,
-        eaxis_v: float,
+        eaxis_v: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         q_near: JointsLike | None = None,
         tool: str = '',
         wobj: str = '',
@@ -1095,13 +1095,13 @@ class BlockingMotions(Section):
     async def movel_eaxis(
         self,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         scheme_name: str,
         epose: VectorLike,
-        eaxis_v: float,
+        eaxis_v: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         q_near: JointsLike | None = None,
         tool: str = '',
         wobj: str = '',
@@ -1145,13 +1145,13 @@ class BlockingMotions(Section):
         self,
         via: PoseLike,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         scheme_name: str,
         epose: VectorLike,
-        eaxis_v: float,
+        eaxis_v: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         mode: int = 0,
         q_near: JointsLike | None = None,
         tool: str = '',
@@ -1199,13 +1199,13 @@ class BlockingMotions(Section):
         self,
         p1: PoseLike,
         p2: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         scheme_name: str,
         epose: VectorLike,
-        eaxis_v: float,
+        eaxis_v: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         mode: int = 1,
         q_near: JointsLike | None = None,
         tool: str = '',

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from aioduco._wire import rpc
     from aioduco.models.op import Op
-    from aioduco.models.rules import VectorLike
+    from aioduco.models.rules import Real, VectorLike
     from aioduco.models.weave import WeavePlane, WeaveShape
 
 
@@ -38,12 +38,12 @@ class Compound(Section):
         self,
         type: WeaveShape | int,  # noqa: A002  # the name on the wire
         ref_plane: WeavePlane | int,
-        fq: float,
-        amp: float,
+        fq: Real,
+        amp: Real,
         *,
-        el_offset: float = 0.0,
-        az_offset: float = 0.0,
-        up_height: float = 0.0,
+        el_offset: Real = 0.0,
+        az_offset: Real = 0.0,
+        up_height: Real = 0.0,
         time: VectorLike = (0.0, 0.0),
         path_dwell: bool = False,
         op_list: Sequence[Op] = (),

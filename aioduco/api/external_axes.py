@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from aioduco.models.jog import JogDirections
     from aioduco.models.op import Op
     from aioduco.models.pose import JointsLike, PoseLike
-    from aioduco.models.rules import VectorLike
+    from aioduco.models.rules import Real, VectorLike
     from aioduco.models.version import ControllerVersion
     from aioduco.supervision.command import HeldMotion, MotionCommand
 
@@ -183,7 +183,7 @@ class ExternalAxes(Section):
         return self._motion(_as_taken(call, self._supervisor.version), r)
 
     def move_eaxis(
-        self, scheme_name: str, epose: VectorLike, v: float, *, op: Op | None = None
+        self, scheme_name: str, epose: VectorLike, v: Real, *, op: Op | None = None
     ) -> MotionCommand:
         """Move external axes (外部轴移动); the arm stays where it is.
 
@@ -214,9 +214,9 @@ class ExternalAxes(Section):
         self,
         scheme_name: str,
         direction: int,
-        vel: float,
+        vel: Real,
         *,
-        time: float | None = JOG_TIME,
+        time: Real | None = JOG_TIME,
         directions: JogDirections | None = None,
     ) -> HeldMotion:
         """Jog external axes (外部轴点动).
@@ -265,13 +265,13 @@ class ExternalAxes(Section):
     def movej2_eaxis(
         self,
         joints: JointsLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         scheme_name: str,
         epose: VectorLike,
-        eaxis_v: float,
+        eaxis_v: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         op: Op | None = None,
         def_acc: bool = False,
     ) -> MotionCommand:
@@ -306,13 +306,13 @@ class ExternalAxes(Section):
     def movej2_pose_eaxis(
         self,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         scheme_name: str,
         epose: VectorLike,
-        eaxis_v: float,
+        eaxis_v: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         q_near: JointsLike | None = None,
         tool: str = "",
         wobj: str = "",
@@ -356,13 +356,13 @@ class ExternalAxes(Section):
     def movel_eaxis(
         self,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         scheme_name: str,
         epose: VectorLike,
-        eaxis_v: float,
+        eaxis_v: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         q_near: JointsLike | None = None,
         tool: str = "",
         wobj: str = "",
@@ -405,13 +405,13 @@ class ExternalAxes(Section):
         self,
         via: PoseLike,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         scheme_name: str,
         epose: VectorLike,
-        eaxis_v: float,
+        eaxis_v: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         mode: int = 0,
         q_near: JointsLike | None = None,
         tool: str = "",
@@ -460,13 +460,13 @@ class ExternalAxes(Section):
         self,
         p1: PoseLike,
         p2: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         scheme_name: str,
         epose: VectorLike,
-        eaxis_v: float,
+        eaxis_v: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         mode: int = 1,
         q_near: JointsLike | None = None,
         tool: str = "",
@@ -512,7 +512,7 @@ class ExternalAxes(Section):
         )
 
 
-def _axes(scheme_name: str, epose: VectorLike, eaxis_v: float) -> tuple[str, list[float], float]:
+def _axes(scheme_name: str, epose: VectorLike, eaxis_v: Real) -> tuple[str, list[float], float]:
     return (
         ranges.LONG_NAME("scheme_name", scheme_name),
         ranges.EAXIS_POSITION("epose", epose),

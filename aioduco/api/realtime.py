@@ -15,6 +15,7 @@ from aioduco.models.rules.lists import listed
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from aioduco.models.rules import Real
     from aioduco.streaming.endpoint import StreamEndpoint
     from aioduco.supervision.supervisor import Supervisor
 
@@ -43,8 +44,8 @@ class Realtime(Section, RealtimeStreams):
         self,
         mode: RealtimeMode | int,
         *,
-        filter_bandwidth: float = 100.0,
-        com_lost_time: float = 0.02,
+        filter_bandwidth: Real = 100.0,
+        com_lost_time: Real = 0.02,
     ) -> None:
         """Make the arm follow the queue (开启实时控制模式).
 

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Sequence
 
     from aioduco._wire.rpc import WireCall
+    from aioduco.models.rules import Real
     from aioduco.supervision.supervisor import Supervisor
     from aioduco.supervision.task_command import Aim
     from aioduco.supervision.task_follower import TaskFollower
@@ -119,7 +120,7 @@ class Section(Uncopied, ManualNames):
     def _motion(
         self,
         call: WireCall[int],
-        r: float = 0.0,
+        r: Real = 0.0,
         *,
         superseded: bool = False,
         eta: JointEta | None = None,
@@ -136,7 +137,7 @@ class Section(Uncopied, ManualNames):
             aim: converts the motion into the wire's frame when it is sent.
             frame: the frame in which it is given, if there is an `aim`.
         """
-        blends = superseded or r > 0.0
+        blends = superseded or bool(r > 0.0)
         command = Command(call.name, call.args, blends=blends, eta=eta, frame=frame, aim=aim)
         return MotionCommand(self._supervisor.dispatcher, command)
 
@@ -145,7 +146,7 @@ class Section(Uncopied, ManualNames):
         call: WireCall[int],
         ending: str,
         *,
-        time: float | None = None,
+        time: Real | None = None,
         timed_by_program: bool = False,
         until_commanded: bool = False,
         aim: Aim | None = None,

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from aioduco._wire.rpc import WireCall
     from aioduco.models.op import PointOp
     from aioduco.models.pose import JointsLike, PoseLike
+    from aioduco.models.rules import Real
     from aioduco.streaming.endpoint import StreamEndpoint
     from aioduco.supervision.command import MotionCommand
     from aioduco.supervision.supervisor import Supervisor
@@ -146,7 +147,7 @@ class Track(Section, TrackStreams):
             self._modes.over(TRACK_POOL)
         return size
 
-    def trackJointMotion(self, speed: float, acc: float) -> MotionCommand:  # noqa: N802  # as above
+    def trackJointMotion(self, speed: Real, acc: Real) -> MotionCommand:  # noqa: N802  # as above
         """Follow the points of the pool as joint angles (关节轨迹池跟随), until none is left.
 
         Args:
@@ -169,12 +170,12 @@ class Track(Section, TrackStreams):
 
     def trackCartMotion(  # noqa: N802  # as above
         self,
-        speed: float,
-        acc: float,
+        speed: Real,
+        acc: Real,
         *,
         wobj: str = "",
         tool: str = "",
-        radius: float = 0.005,
+        radius: Real = 0.005,
     ) -> MotionCommand:
         """Follow the points of the pool as poses (笛卡尔轨迹池跟随), until none is left.
 

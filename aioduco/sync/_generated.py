@@ -305,8 +305,8 @@ class Motion(_Section):
         self,
         trajectory: JointTrajectory,
         *,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         tolerances: Tolerances | None = None,
         feedback: Callable[[Feedback], object] | None = None,
         through: Through = 'auto',
@@ -414,10 +414,10 @@ class Motion(_Section):
     def movej2(
         self,
         joints: JointsLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         op: Op | None = None,
         def_acc: bool = False,
     ) -> aio_command.MotionCommand:
@@ -446,10 +446,10 @@ class Motion(_Section):
     def movej_pose2(
         self,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         q_near: JointsLike | None = None,
         tool: str = '',
         wobj: str = '',
@@ -486,10 +486,10 @@ class Motion(_Section):
     def movej(
         self,
         joints: JointsLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         op: Op | None = None,
         def_acc: bool = False,
     ) -> aio_command.MotionCommand:
@@ -522,10 +522,10 @@ class Motion(_Section):
     def movej_pose(
         self,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         q_near: JointsLike | None = None,
         tool: str = '',
         wobj: str = '',
@@ -568,10 +568,10 @@ class Motion(_Section):
     def movel(
         self,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         q_near: JointsLike | None = None,
         tool: str = '',
         wobj: str = '',
@@ -608,10 +608,10 @@ class Motion(_Section):
     def tcp_move(
         self,
         offset: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         tool: str = '',
         op: Op | None = None,
         def_acc: bool = False,
@@ -644,10 +644,10 @@ class Motion(_Section):
         self,
         p1: PoseLike,
         p2: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         tool: str = '',
         wobj: str = '',
         op: Op | None = None,
@@ -686,10 +686,10 @@ class Motion(_Section):
     def wobj_move(
         self,
         offset: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         wobj: str = '',
         op: Op | None = None,
         def_acc: bool = False,
@@ -723,10 +723,10 @@ class Motion(_Section):
         self,
         p1: PoseLike,
         p2: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         tool: str = '',
         wobj: str = '',
         op: Op | None = None,
@@ -766,10 +766,10 @@ class Motion(_Section):
         self,
         via: PoseLike,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         mode: int = 0,
         q_near: JointsLike | None = None,
         tool: str = '',
@@ -812,10 +812,10 @@ class Motion(_Section):
         self,
         p1: PoseLike,
         p2: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         mode: int = 1,
         q_near: JointsLike | None = None,
         tool: str = '',
@@ -856,13 +856,13 @@ class Motion(_Section):
     def spline(
         self,
         poses: Iterable[PoseLike],
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
         tool: str = '',
         wobj: str = '',
         op: Op | None = None,
-        r: float = 0.0,
+        r: Real = 0.0,
         def_acc: bool = False,
     ) -> aio_command.MotionCommand:
         """Move the tool along a spline through poses (样条运动).
@@ -896,13 +896,13 @@ class Motion(_Section):
     def spline_op(
         self,
         points: Iterable[PointOp],
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
         tool: str = '',
         wobj: str = '',
         op: Op | None = None,
-        r: float = 0.0,
+        r: Real = 0.0,
         def_acc: bool = False,
     ) -> aio_command.MotionCommand:
         """Move the tool along a spline, and set outputs at its points (样条运动, 触发点位 OP).
@@ -936,12 +936,12 @@ class Motion(_Section):
         self,
         center: PoseLike,
         pose: PoseLike | None,
-        rev: float,
-        length: float,
-        radius: float,
+        rev: Real,
+        length: Real,
+        radius: Real,
         mode: int,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
         q_near: JointsLike | None = None,
         tool: str = '',
@@ -984,7 +984,7 @@ class Motion(_Section):
 
     @moves
     def speedj(
-        self, velocities: VectorLike, a: float, *, time: float | None = 1.0
+        self, velocities: VectorLike, a: Real, *, time: Real | None = 1.0
     ) -> aio_command.MotionCommand:
         """Turn the joints, each at a velocity (关节速度运动), for a time.
 
@@ -1015,9 +1015,9 @@ class Motion(_Section):
     def speedl(
         self,
         twist: VectorLike,
-        a: float,
+        a: Real,
         *,
-        time: float | None = 1.0,
+        time: Real | None = 1.0,
         frame: MotionFrame = 'tool',
         wobj: str = '',
     ) -> aio_command.MotionCommand:
@@ -1074,13 +1074,13 @@ class Motion(_Section):
     def servoj(
         self,
         joints: JointsLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        kp: float = 200.0,
-        kd: float = 25.0,
-        smooth_vel: float = 10.0,
-        smooth_acc: float = 1.0,
+        kp: Real = 200.0,
+        kd: Real = 25.0,
+        smooth_vel: Real = 10.0,
+        smooth_acc: Real = 1.0,
     ) -> aio_command.MotionCommand:
         """Go to joint angles, each joint independently (关节伺服运动), from any state of motion.
 
@@ -1110,16 +1110,16 @@ class Motion(_Section):
     def servoj_pose(
         self,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
         q_near: JointsLike | None = None,
         tool: str = '',
         wobj: str = '',
-        kp: float = 200.0,
-        kd: float = 25.0,
-        smooth_vel: float = 10.0,
-        smooth_acc: float = 1.0,
+        kp: Real = 200.0,
+        kd: Real = 25.0,
+        smooth_vel: Real = 10.0,
+        smooth_acc: Real = 1.0,
     ) -> aio_command.MotionCommand:
         """Go to a pose of the tool, each joint independently (关节伺服运动到位姿).
 
@@ -1153,16 +1153,16 @@ class Motion(_Section):
     def servo_tcp(
         self,
         offset: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
         tool: str = '',
         frame: MotionFrame = 'tool',
         wobj: str = '',
-        kp: float = 200.0,
-        kd: float = 25.0,
-        smooth_vel: float = 10.0,
-        smooth_acc: float = 1.0,
+        kp: Real = 200.0,
+        kd: Real = 25.0,
+        smooth_vel: Real = 10.0,
+        smooth_acc: Real = 1.0,
     ) -> aio_command.MotionCommand:
         """Shift the arm's present target by an offset of the tool (工具增量伺服运动).
 
@@ -1206,16 +1206,16 @@ class Motion(_Section):
     def servol(
         self,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
         q_near: JointsLike | None = None,
         tool: str = '',
         wobj: str = '',
-        kp: float = 200.0,
-        kd: float = 25.0,
-        smooth_vel: float = 10.0,
-        smooth_acc: float = 1.0,
+        kp: Real = 200.0,
+        kd: Real = 25.0,
+        smooth_vel: Real = 10.0,
+        smooth_acc: Real = 1.0,
     ) -> aio_command.MotionCommand:
         """Go to a pose of the tool, each Cartesian direction independently (笛卡尔伺服运动).
 
@@ -1249,7 +1249,7 @@ class Motion(_Section):
 
     @moves
     def move_jog(
-        self, jog: Jog, *, time: float | None = 1.0, directions: JogDirections | None = None
+        self, jog: Jog, *, time: Real | None = 1.0, directions: JogDirections | None = None
     ) -> aio_command.MotionCommand:
         """Jog one joint or one Cartesian direction (点动).
 
@@ -1297,7 +1297,7 @@ class Motion(_Section):
         self._call(self._made.stop_manual_move())
 
     @moves
-    def teach_mode(self, *, time: float | None = None) -> aio_command.MotionCommand:
+    def teach_mode(self, *, time: Real | None = None) -> aio_command.MotionCommand:
         """Let the arm be guided by hand (进入牵引示教模式), until a command ends it.
 
             with robot.motion.teach_mode.start():
@@ -1370,7 +1370,7 @@ class Motion(_Section):
         self._call(work)
 
     def start_record_track(
-        self, name: str, mode: int, *, tool: str = '', wobj: str = '', interval: float | None = None
+        self, name: str, mode: int, *, tool: str = '', wobj: str = '', interval: Real | None = None
     ) -> None:
         """Start to record joints and poses of the arm on the controller (开启轨迹记录).
 
@@ -1468,10 +1468,10 @@ class BlockingMotions(_Section):
     def movej2(
         self,
         joints: JointsLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         op: Op | None = None,
         def_acc: bool = False,
     ) -> TaskState:
@@ -1500,10 +1500,10 @@ class BlockingMotions(_Section):
     def movej_pose2(
         self,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         q_near: JointsLike | None = None,
         tool: str = '',
         wobj: str = '',
@@ -1541,10 +1541,10 @@ class BlockingMotions(_Section):
     def movej(
         self,
         joints: JointsLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         op: Op | None = None,
         def_acc: bool = False,
     ) -> TaskState:
@@ -1577,10 +1577,10 @@ class BlockingMotions(_Section):
     def movej_pose(
         self,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         q_near: JointsLike | None = None,
         tool: str = '',
         wobj: str = '',
@@ -1622,10 +1622,10 @@ class BlockingMotions(_Section):
     def movel(
         self,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         q_near: JointsLike | None = None,
         tool: str = '',
         wobj: str = '',
@@ -1663,10 +1663,10 @@ class BlockingMotions(_Section):
     def tcp_move(
         self,
         offset: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         tool: str = '',
         op: Op | None = None,
         def_acc: bool = False,
@@ -1699,10 +1699,10 @@ class BlockingMotions(_Section):
         self,
         p1: PoseLike,
         p2: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         tool: str = '',
         wobj: str = '',
         op: Op | None = None,
@@ -1740,10 +1740,10 @@ class BlockingMotions(_Section):
     def wobj_move(
         self,
         offset: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         wobj: str = '',
         op: Op | None = None,
         def_acc: bool = False,
@@ -1778,10 +1778,10 @@ class BlockingMotions(_Section):
         self,
         p1: PoseLike,
         p2: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         tool: str = '',
         wobj: str = '',
         op: Op | None = None,
@@ -1820,10 +1820,10 @@ class BlockingMotions(_Section):
         self,
         via: PoseLike,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         mode: int = 0,
         q_near: JointsLike | None = None,
         tool: str = '',
@@ -1867,10 +1867,10 @@ class BlockingMotions(_Section):
         self,
         p1: PoseLike,
         p2: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         mode: int = 1,
         q_near: JointsLike | None = None,
         tool: str = '',
@@ -1912,13 +1912,13 @@ class BlockingMotions(_Section):
     def spline(
         self,
         poses: Iterable[PoseLike],
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
         tool: str = '',
         wobj: str = '',
         op: Op | None = None,
-        r: float = 0.0,
+        r: Real = 0.0,
         def_acc: bool = False,
     ) -> TaskState:
         """Move the tool along a spline through poses (样条运动).
@@ -1950,13 +1950,13 @@ class BlockingMotions(_Section):
     def spline_op(
         self,
         points: Iterable[PointOp],
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
         tool: str = '',
         wobj: str = '',
         op: Op | None = None,
-        r: float = 0.0,
+        r: Real = 0.0,
         def_acc: bool = False,
     ) -> TaskState:
         """Move the tool along a spline, and set outputs at its points (样条运动, 触发点位 OP).
@@ -1988,12 +1988,12 @@ class BlockingMotions(_Section):
         self,
         center: PoseLike,
         pose: PoseLike | None,
-        rev: float,
-        length: float,
-        radius: float,
+        rev: Real,
+        length: Real,
+        radius: Real,
         mode: int,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
         q_near: JointsLike | None = None,
         tool: str = '',
@@ -2036,7 +2036,7 @@ class BlockingMotions(_Section):
         )
         return self._call(work)
 
-    def speedj(self, velocities: VectorLike, a: float, *, time: float | None = 1.0) -> TaskState:
+    def speedj(self, velocities: VectorLike, a: Real, *, time: Real | None = 1.0) -> TaskState:
         """Turn the joints, each at a velocity (关节速度运动), for a time.
 
         It is `robot.motion.speedj` by the manual's blocking call.
@@ -2061,9 +2061,9 @@ class BlockingMotions(_Section):
     def speedl(
         self,
         twist: VectorLike,
-        a: float,
+        a: Real,
         *,
-        time: float | None = 1.0,
+        time: Real | None = 1.0,
         frame: MotionFrame = 'tool',
         wobj: str = '',
     ) -> TaskState:
@@ -2096,13 +2096,13 @@ class BlockingMotions(_Section):
     def servoj(
         self,
         joints: JointsLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        kp: float = 200.0,
-        kd: float = 25.0,
-        smooth_vel: float = 10.0,
-        smooth_acc: float = 1.0,
+        kp: Real = 200.0,
+        kd: Real = 25.0,
+        smooth_vel: Real = 10.0,
+        smooth_acc: Real = 1.0,
     ) -> TaskState:
         """Go to joint angles, each joint independently (关节伺服运动), from any state of motion.
 
@@ -2133,16 +2133,16 @@ class BlockingMotions(_Section):
     def servoj_pose(
         self,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
         q_near: JointsLike | None = None,
         tool: str = '',
         wobj: str = '',
-        kp: float = 200.0,
-        kd: float = 25.0,
-        smooth_vel: float = 10.0,
-        smooth_acc: float = 1.0,
+        kp: Real = 200.0,
+        kd: Real = 25.0,
+        smooth_vel: Real = 10.0,
+        smooth_acc: Real = 1.0,
     ) -> TaskState:
         """Go to a pose of the tool, each joint independently (关节伺服运动到位姿).
 
@@ -2177,16 +2177,16 @@ class BlockingMotions(_Section):
     def servo_tcp(
         self,
         offset: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
         tool: str = '',
         frame: MotionFrame = 'tool',
         wobj: str = '',
-        kp: float = 200.0,
-        kd: float = 25.0,
-        smooth_vel: float = 10.0,
-        smooth_acc: float = 1.0,
+        kp: Real = 200.0,
+        kd: Real = 25.0,
+        smooth_vel: Real = 10.0,
+        smooth_acc: Real = 1.0,
     ) -> TaskState:
         """Shift the arm's present target by an offset of the tool (工具增量伺服运动).
 
@@ -2225,16 +2225,16 @@ class BlockingMotions(_Section):
     def servol(
         self,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
         q_near: JointsLike | None = None,
         tool: str = '',
         wobj: str = '',
-        kp: float = 200.0,
-        kd: float = 25.0,
-        smooth_vel: float = 10.0,
-        smooth_acc: float = 1.0,
+        kp: Real = 200.0,
+        kd: Real = 25.0,
+        smooth_vel: Real = 10.0,
+        smooth_acc: Real = 1.0,
     ) -> TaskState:
         """Go to a pose of the tool, each Cartesian direction independently (笛卡尔伺服运动).
 
@@ -2308,7 +2308,7 @@ class BlockingMotions(_Section):
         """
         return self._call(self._made.run_program(name))
 
-    def trackJointMotion(self, speed: float, acc: float) -> TaskState:
+    def trackJointMotion(self, speed: Real, acc: Real) -> TaskState:
         """Follow the points of the pool as joint angles (关节轨迹池跟随), until none is left.
 
         It is `robot.track.trackJointMotion` by the manual's blocking call.
@@ -2329,7 +2329,7 @@ class BlockingMotions(_Section):
         return self._call(self._made.trackJointMotion(speed, acc))
 
     def trackCartMotion(
-        self, speed: float, acc: float, *, wobj: str = '', tool: str = '', radius: float = 0.005
+        self, speed: Real, acc: Real, *, wobj: str = '', tool: str = '', radius: Real = 0.005
     ) -> TaskState:
         """Follow the points of the pool as poses (笛卡尔轨迹池跟随), until none is left.
 
@@ -2356,7 +2356,7 @@ class BlockingMotions(_Section):
         return self._call(work)
 
     def move_eaxis(
-        self, scheme_name: str, epose: VectorLike, v: float, *, op: Op | None = None
+        self, scheme_name: str, epose: VectorLike, v: Real, *, op: Op | None = None
     ) -> TaskState:
         """Move external axes (外部轴移动); the arm stays where it is.
 
@@ -2382,13 +2382,13 @@ class BlockingMotions(_Section):
     def movej2_eaxis(
         self,
         joints: JointsLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         scheme_name: str,
         epose: VectorLike,
-        eaxis_v: float,
+        eaxis_v: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         op: Op | None = None,
         def_acc: bool = False,
     ) -> TaskState:
@@ -2424,13 +2424,13 @@ class BlockingMotions(_Section):
     def movej2_pose_eaxis(
         self,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         scheme_name: str,
         epose: VectorLike,
-        eaxis_v: float,
+        eaxis_v: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         q_near: JointsLike | None = None,
         tool: str = '',
         wobj: str = '',
@@ -2473,13 +2473,13 @@ class BlockingMotions(_Section):
     def movel_eaxis(
         self,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         scheme_name: str,
         epose: VectorLike,
-        eaxis_v: float,
+        eaxis_v: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         q_near: JointsLike | None = None,
         tool: str = '',
         wobj: str = '',
@@ -2523,13 +2523,13 @@ class BlockingMotions(_Section):
         self,
         via: PoseLike,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         scheme_name: str,
         epose: VectorLike,
-        eaxis_v: float,
+        eaxis_v: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         mode: int = 0,
         q_near: JointsLike | None = None,
         tool: str = '',
@@ -2577,13 +2577,13 @@ class BlockingMotions(_Section):
         self,
         p1: PoseLike,
         p2: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         scheme_name: str,
         epose: VectorLike,
-        eaxis_v: float,
+        eaxis_v: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         mode: int = 1,
         q_near: JointsLike | None = None,
         tool: str = '',
@@ -2671,11 +2671,11 @@ class Servo(_Section):
     def joints(
         self,
         *,
-        v: float,
-        a: float,
-        jerk: float | None = None,
-        max_step: float = 0.2,
-        reach: float = 0.1,
+        v: Real,
+        a: Real,
+        jerk: Real | None = None,
+        max_step: Real = 0.2,
+        reach: Real = 0.1,
         gains: ServoGains | None = None,
         options: WorkerOptions | None = None,
         **feeding: Unpack[ServoOptions]
@@ -2709,8 +2709,8 @@ class Servo(_Section):
     def pose(
         self,
         *,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         velocity: tuple[float, float] = (0.25, 1.0),
         acceleration: tuple[float, float] = (1.0, 4.0),
         jerk: tuple[float, float] | None = None,
@@ -2759,8 +2759,8 @@ class Servo(_Section):
     def linear(
         self,
         *,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         velocity: tuple[float, float] = (0.25, 1.0),
         acceleration: tuple[float, float] = (1.0, 4.0),
         jerk: tuple[float, float] | None = None,
@@ -2811,8 +2811,8 @@ class Servo(_Section):
     def tcp_offset(
         self,
         *,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         velocity: tuple[float, float] = (0.25, 1.0),
         acceleration: tuple[float, float] = (1.0, 4.0),
         jerk: tuple[float, float] | None = None,
@@ -2886,8 +2886,8 @@ class Speed(_Section):
     def joints(
         self,
         *,
-        a: float,
-        v: float = 1.0,
+        a: Real,
+        v: Real = 1.0,
         dead_man: float = 0.2,
         rate: float = 50.0,
         latest: bool = True,
@@ -2921,10 +2921,10 @@ class Speed(_Section):
     def linear(
         self,
         *,
-        a: float,
-        turn_a: float = 2.0,
-        v: float = 0.25,
-        turn_v: float = 1.0,
+        a: Real,
+        turn_a: Real = 2.0,
+        v: Real = 0.25,
+        turn_v: Real = 1.0,
         frame: MotionFrame = 'tool',
         wobj: str = '',
         dead_man: float = 0.2,
@@ -3120,7 +3120,7 @@ class Track(_Section):
         return self._call(self._made.getQueueSize())
 
     @moves
-    def trackJointMotion(self, speed: float, acc: float) -> aio_command.MotionCommand:
+    def trackJointMotion(self, speed: Real, acc: Real) -> aio_command.MotionCommand:
         """Follow the points of the pool as joint angles (关节轨迹池跟随), until none is left.
 
         Args:
@@ -3141,7 +3141,7 @@ class Track(_Section):
 
     @moves
     def trackCartMotion(
-        self, speed: float, acc: float, *, wobj: str = '', tool: str = '', radius: float = 0.005
+        self, speed: Real, acc: Real, *, wobj: str = '', tool: str = '', radius: Real = 0.005
     ) -> aio_command.MotionCommand:
         """Follow the points of the pool as poses (笛卡尔轨迹池跟随), until none is left.
 
@@ -3169,9 +3169,9 @@ class Track(_Section):
         self,
         space: Literal['joints', 'pose'],
         *,
-        speed: float,
-        acc: float,
-        radius: float = 0.005,
+        speed: Real,
+        acc: Real,
+        radius: Real = 0.005,
         tool: str = '',
         wobj: str = '',
         operations: bool = False,
@@ -3180,8 +3180,8 @@ class Track(_Section):
         period: float = 0.02,
         hold: float = 5.0,
         ahead: int = 200,
-        max_step: float | tuple[float, float] | None = None,
-        reach: float | tuple[float, float] | None = None,
+        max_step: Real | tuple[float, float] | None = None,
+        reach: Real | tuple[float, float] | None = None,
         options: WorkerOptions | None = None,
     ) -> TrackStream:
         """Follow the points of a path (trackEnqueue, trackJointMotion, trackCartMotion).
@@ -3242,12 +3242,12 @@ class Compound(_Section):
         self,
         type: WeaveShape | int,
         ref_plane: WeavePlane | int,
-        fq: float,
-        amp: float,
+        fq: Real,
+        amp: Real,
         *,
-        el_offset: float = 0.0,
-        az_offset: float = 0.0,
-        up_height: float = 0.0,
+        el_offset: Real = 0.0,
+        az_offset: Real = 0.0,
+        up_height: Real = 0.0,
         time: VectorLike = (0.0, 0.0),
         path_dwell: bool = False,
         op_list: Sequence[Op] = (),
@@ -3458,7 +3458,7 @@ class ExternalAxes(_Section):
 
     @moves
     def move_eaxis(
-        self, scheme_name: str, epose: VectorLike, v: float, *, op: Op | None = None
+        self, scheme_name: str, epose: VectorLike, v: Real, *, op: Op | None = None
     ) -> aio_command.MotionCommand:
         """Move external axes (外部轴移动); the arm stays where it is.
 
@@ -3487,9 +3487,9 @@ class ExternalAxes(_Section):
         self,
         scheme_name: str,
         direction: int,
-        vel: float,
+        vel: Real,
         *,
-        time: float | None = 1.0,
+        time: Real | None = 1.0,
         directions: JogDirections | None = None,
     ) -> aio_command.MotionCommand:
         """Jog external axes (外部轴点动).
@@ -3530,13 +3530,13 @@ class ExternalAxes(_Section):
     def movej2_eaxis(
         self,
         joints: JointsLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         scheme_name: str,
         epose: VectorLike,
-        eaxis_v: float,
+        eaxis_v: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         op: Op | None = None,
         def_acc: bool = False,
     ) -> aio_command.MotionCommand:
@@ -3571,13 +3571,13 @@ class ExternalAxes(_Section):
     def movej2_pose_eaxis(
         self,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         scheme_name: str,
         epose: VectorLike,
-        eaxis_v: float,
+        eaxis_v: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         q_near: JointsLike | None = None,
         tool: str = '',
         wobj: str = '',
@@ -3621,13 +3621,13 @@ class ExternalAxes(_Section):
     def movel_eaxis(
         self,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         scheme_name: str,
         epose: VectorLike,
-        eaxis_v: float,
+        eaxis_v: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         q_near: JointsLike | None = None,
         tool: str = '',
         wobj: str = '',
@@ -3670,13 +3670,13 @@ class ExternalAxes(_Section):
         self,
         via: PoseLike,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         scheme_name: str,
         epose: VectorLike,
-        eaxis_v: float,
+        eaxis_v: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         mode: int = 0,
         q_near: JointsLike | None = None,
         tool: str = '',
@@ -3723,13 +3723,13 @@ class ExternalAxes(_Section):
         self,
         p1: PoseLike,
         p2: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         scheme_name: str,
         epose: VectorLike,
-        eaxis_v: float,
+        eaxis_v: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         mode: int = 1,
         q_near: JointsLike | None = None,
         tool: str = '',
@@ -3791,8 +3791,8 @@ class Realtime(_Section):
         self,
         mode: RealtimeMode | int,
         *,
-        filter_bandwidth: float = 100.0,
-        com_lost_time: float = 0.02,
+        filter_bandwidth: Real = 100.0,
+        com_lost_time: Real = 0.02,
     ) -> None:
         """Make the arm follow the queue (开启实时控制模式).
 
@@ -3881,8 +3881,8 @@ class Realtime(_Section):
         frame: MotionFrame | None = None,
         depth: int = 40,
         period: float = 0.004,
-        filter_bandwidth: float = 100.0,
-        com_lost_time: float = 0.02,
+        filter_bandwidth: Real = 100.0,
+        com_lost_time: Real = 0.02,
         max_step: float | tuple[float, float] | None = None,
         reach: float | tuple[float, float] | None = None,
         options: WorkerOptions | None = None,

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import inspect
 import math
+import re
 from collections.abc import Callable
 from decimal import Decimal
 from fractions import Fraction
@@ -29,6 +31,7 @@ from aioduco.api.streams.arguments import per_group
 from aioduco.devices.cameras.board import BoardSize
 from aioduco.envelope import JointMargin, SingularityMargin, ToolForce, ToolSpeed, Zone
 from aioduco.models import ranges
+from aioduco.models.places import PLACES
 from aioduco.models.rules import Choice
 from aioduco.planning import Region
 from aioduco.sim import scene
@@ -92,6 +95,26 @@ def test_what_is_no_finite_number_is_refused(name: str) -> None:
     ):
         with pytest.raises(ParameterError):
             TAKERS[name](value)
+
+
+def test_a_type_checker_takes_numbers_of_numpy_where_the_manual_has_numbers() -> None:
+    """Time limits are this package's."""
+    robot = aioduco.connect("192.0.2.1")
+
+    async def checked_alone() -> None:
+        await robot.motion.movej2([0.0] * 6, v=np.float32(0.5), a=np.float64(1.0), r=np.int64(0))
+
+    del checked_alone
+    floats = [
+        f"{section}.{name}({parameter.name})"
+        for section, names in PLACES.items()
+        for name in names.split()
+        for parameter in inspect.signature(
+            getattr(getattr(robot, section) if section else robot, name)
+        ).parameters.values()
+        if re.search(r"\bfloat\b", str(parameter.annotation)) and parameter.name != "timeout"
+    ]
+    assert floats == []
 
 
 #: pandas and ROS give such ones; numpy has them as whole numbers

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from aioduco.models.enums import Outcome
+    from aioduco.models.rules import Real
     from aioduco.streaming.endpoint import StreamEndpoint
     from aioduco.streaming.joint_trajectory import Feedback, TrajectoryResult
     from aioduco.streaming.shared.options import WorkerOptions
@@ -161,8 +162,8 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
         self,
         trajectory: JointTrajectory,
         *,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         tolerances: Tolerances | None = None,
         feedback: Callable[[Feedback], object] | None = None,
         through: Through = "auto",

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from aioduco.models.op import Op, PointOp
     from aioduco.models.pose import JointsLike, PoseLike
+    from aioduco.models.rules import Real
     from aioduco.supervision.command import MotionCommand
 
 
@@ -29,10 +30,10 @@ class Curves(Section):
         self,
         via: PoseLike,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         mode: int = 0,
         q_near: JointsLike | None = None,
         tool: str = "",
@@ -75,10 +76,10 @@ class Curves(Section):
         self,
         p1: PoseLike,
         p2: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         mode: int = 1,
         q_near: JointsLike | None = None,
         tool: str = "",
@@ -119,13 +120,13 @@ class Curves(Section):
     def spline(
         self,
         poses: Iterable[PoseLike],
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
         tool: str = "",
         wobj: str = "",
         op: Op | None = None,
-        r: float = 0.0,
+        r: Real = 0.0,
         def_acc: bool = False,
     ) -> MotionCommand:
         """Move the tool along a spline through poses (样条运动).
@@ -163,13 +164,13 @@ class Curves(Section):
     def spline_op(
         self,
         points: Iterable[PointOp],
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
         tool: str = "",
         wobj: str = "",
         op: Op | None = None,
-        r: float = 0.0,
+        r: Real = 0.0,
         def_acc: bool = False,
     ) -> MotionCommand:
         """Move the tool along a spline, and set outputs at its points (样条运动, 触发点位 OP).
@@ -208,12 +209,12 @@ class Curves(Section):
         self,
         center: PoseLike,
         pose: PoseLike | None,
-        rev: float,
-        length: float,
-        radius: float,
+        rev: Real,
+        length: Real,
+        radius: Real,
         mode: int,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
         q_near: JointsLike | None = None,
         tool: str = "",

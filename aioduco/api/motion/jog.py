@@ -13,6 +13,7 @@ from aioduco.models.jog import Jog, directions_of
 
 if TYPE_CHECKING:
     from aioduco.models.jog import JogDirections
+    from aioduco.models.rules import Real
     from aioduco.supervision.command import MotionCommand
 
 
@@ -28,7 +29,7 @@ class Jogging(Section):
         self,
         jog: Jog,
         *,
-        time: float | None = JOG_TIME,
+        time: Real | None = JOG_TIME,
         directions: JogDirections | None = None,
     ) -> MotionCommand:
         """Jog one joint or one Cartesian direction (点动).

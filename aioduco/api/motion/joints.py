@@ -13,6 +13,7 @@ from aioduco.supervision.task_state import JointEta
 if TYPE_CHECKING:
     from aioduco.models.op import Op
     from aioduco.models.pose import JointsLike, PoseLike
+    from aioduco.models.rules import Real
     from aioduco.supervision.command import MotionCommand
 
 
@@ -24,10 +25,10 @@ class JointMotions(Section):
     def movej2(
         self,
         joints: JointsLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         op: Op | None = None,
         def_acc: bool = False,
     ) -> MotionCommand:
@@ -61,10 +62,10 @@ class JointMotions(Section):
     def movej_pose2(
         self,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         q_near: JointsLike | None = None,
         tool: str = "",
         wobj: str = "",
@@ -101,10 +102,10 @@ class JointMotions(Section):
     def movej(
         self,
         joints: JointsLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         op: Op | None = None,
         def_acc: bool = False,
     ) -> MotionCommand:
@@ -139,10 +140,10 @@ class JointMotions(Section):
     def movej_pose(
         self,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         q_near: JointsLike | None = None,
         tool: str = "",
         wobj: str = "",

@@ -12,6 +12,7 @@ from aioduco.models import ranges
 if TYPE_CHECKING:
     from aioduco.models.op import Op
     from aioduco.models.pose import JointsLike, PoseLike
+    from aioduco.models.rules import Real
     from aioduco.supervision.command import MotionCommand
 
 
@@ -23,10 +24,10 @@ class Lines(Section):
     def movel(
         self,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         q_near: JointsLike | None = None,
         tool: str = "",
         wobj: str = "",
@@ -63,10 +64,10 @@ class Lines(Section):
     def tcp_move(
         self,
         offset: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         tool: str = "",
         op: Op | None = None,
         def_acc: bool = False,
@@ -101,10 +102,10 @@ class Lines(Section):
         self,
         p1: PoseLike,
         p2: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         tool: str = "",
         wobj: str = "",
         op: Op | None = None,
@@ -143,10 +144,10 @@ class Lines(Section):
     def wobj_move(
         self,
         offset: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         wobj: str = "",
         op: Op | None = None,
         def_acc: bool = False,
@@ -182,10 +183,10 @@ class Lines(Section):
         self,
         p1: PoseLike,
         p2: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        r: float = 0.0,
+        r: Real = 0.0,
         tool: str = "",
         wobj: str = "",
         op: Op | None = None,

@@ -17,6 +17,7 @@ from aioduco.streaming.shared.turning import in_tool, into_tool
 
 if TYPE_CHECKING:
     from aioduco.models.pose import JointsLike, PoseLike
+    from aioduco.models.rules import Real
     from aioduco.streaming.shared.turning import MotionFrame
     from aioduco.supervision.command import MotionCommand
 
@@ -37,13 +38,13 @@ class ServoMotions(Section):
     def servoj(
         self,
         joints: JointsLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
-        kp: float = _KP,
-        kd: float = _KD,
-        smooth_vel: float = _SMOOTH_VEL,
-        smooth_acc: float = _SMOOTH_ACC,
+        kp: Real = _KP,
+        kd: Real = _KD,
+        smooth_vel: Real = _SMOOTH_VEL,
+        smooth_acc: Real = _SMOOTH_ACC,
     ) -> MotionCommand:
         """Go to joint angles, each joint independently (关节伺服运动), from any state of motion.
 
@@ -73,16 +74,16 @@ class ServoMotions(Section):
     def servoj_pose(
         self,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
         q_near: JointsLike | None = None,
         tool: str = "",
         wobj: str = "",
-        kp: float = _KP,
-        kd: float = _KD,
-        smooth_vel: float = _SMOOTH_VEL,
-        smooth_acc: float = _SMOOTH_ACC,
+        kp: Real = _KP,
+        kd: Real = _KD,
+        smooth_vel: Real = _SMOOTH_VEL,
+        smooth_acc: Real = _SMOOTH_ACC,
     ) -> MotionCommand:
         """Go to a pose of the tool, each joint independently (关节伺服运动到位姿).
 
@@ -116,16 +117,16 @@ class ServoMotions(Section):
     def servo_tcp(
         self,
         offset: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
         tool: str = "",
         frame: MotionFrame = "tool",
         wobj: str = "",
-        kp: float = _KP,
-        kd: float = _KD,
-        smooth_vel: float = _SMOOTH_VEL,
-        smooth_acc: float = _SMOOTH_ACC,
+        kp: Real = _KP,
+        kd: Real = _KD,
+        smooth_vel: Real = _SMOOTH_VEL,
+        smooth_acc: Real = _SMOOTH_ACC,
     ) -> MotionCommand:
         """Shift the arm's present target by an offset of the tool (工具增量伺服运动).
 
@@ -174,16 +175,16 @@ class ServoMotions(Section):
     def servol(
         self,
         pose: PoseLike,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         *,
         q_near: JointsLike | None = None,
         tool: str = "",
         wobj: str = "",
-        kp: float = _KP,
-        kd: float = _KD,
-        smooth_vel: float = _SMOOTH_VEL,
-        smooth_acc: float = _SMOOTH_ACC,
+        kp: Real = _KP,
+        kd: Real = _KD,
+        smooth_vel: Real = _SMOOTH_VEL,
+        smooth_acc: Real = _SMOOTH_ACC,
     ) -> MotionCommand:
         """Go to a pose of the tool, each Cartesian direction independently (笛卡尔伺服运动).
 

@@ -11,7 +11,7 @@ from aioduco.models import ranges
 
 if TYPE_CHECKING:
     from aioduco.models.jog import JogFrame
-    from aioduco.models.rules import FlagsLike, WholesLike
+    from aioduco.models.rules import FlagsLike, Real, WholesLike
     from aioduco.supervision.command import HeldMotion
 
 
@@ -26,7 +26,7 @@ class Teaching(Section):
 
     __slots__ = ()
 
-    def teach_mode(self, *, time: float | None = None) -> HeldMotion:
+    def teach_mode(self, *, time: Real | None = None) -> HeldMotion:
         """Let the arm be guided by hand (进入牵引示教模式), until a command ends it.
 
             async with robot.motion.teach_mode():
@@ -115,7 +115,7 @@ class Teaching(Section):
         *,
         tool: str = "",
         wobj: str = "",
-        interval: float | None = None,
+        interval: Real | None = None,
     ) -> None:
         """Start to record joints and poses of the arm on the controller (开启轨迹记录).
 

@@ -16,7 +16,7 @@ from aioduco.streaming.shared.turning import into_tool, turned
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from aioduco.models.rules import VectorLike
+    from aioduco.models.rules import Real, VectorLike
     from aioduco.streaming.shared.turning import MotionFrame
     from aioduco.supervision.command import HeldMotion
 
@@ -45,7 +45,7 @@ class Velocity(Section):
     __slots__ = ()
 
     def speedj(
-        self, velocities: VectorLike, a: float, *, time: float | None = RUN_TIME
+        self, velocities: VectorLike, a: Real, *, time: Real | None = RUN_TIME
     ) -> HeldMotion:
         """Turn the joints, each at a velocity (关节速度运动), for a time.
 
@@ -78,9 +78,9 @@ class Velocity(Section):
     def speedl(
         self,
         twist: VectorLike,
-        a: float,
+        a: Real,
         *,
-        time: float | None = RUN_TIME,
+        time: Real | None = RUN_TIME,
         frame: MotionFrame = "tool",
         wobj: str = "",
     ) -> HeldMotion:

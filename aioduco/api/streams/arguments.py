@@ -15,6 +15,7 @@ from aioduco.streaming.shared.space import JERK, Limits
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from aioduco.models.rules import Real
     from aioduco.streaming.shared.options import Upsampling
 
 
@@ -64,7 +65,7 @@ class ServoGains:
         return gains(self.kp, self.kd, self.smooth_vel, self.smooth_acc)
 
 
-def per_group(name: str, value: float | Sequence[float], groups: int) -> tuple[float, ...]:
+def per_group(name: str, value: Real | Sequence[Real], groups: int) -> tuple[float, ...]:
     """A limit for each group, from one number or one per group.
 
     Raises:
@@ -79,9 +80,9 @@ def per_group(name: str, value: float | Sequence[float], groups: int) -> tuple[f
 
 
 def motion_limits(
-    v: float | Sequence[float],
-    a: float | Sequence[float],
-    jerk: float | Sequence[float] | None,
+    v: Real | Sequence[Real],
+    a: Real | Sequence[Real],
+    jerk: Real | Sequence[Real] | None,
     groups: int,
     *,
     names: tuple[str, str] = ("v", "a"),

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from typing import Unpack
 
     from aioduco.api.streams.arguments import FeedingOptions
-    from aioduco.models.rules import VectorLike
+    from aioduco.models.rules import Real, VectorLike
     from aioduco.streaming.shared.options import WorkerOptions
     from aioduco.streaming.shared.turning import MotionFrame
 
@@ -63,8 +63,8 @@ class RealtimeStreams(StreamMaker):
         frame: MotionFrame | None = None,
         depth: int = 40,
         period: float = 0.004,
-        filter_bandwidth: float = 100.0,
-        com_lost_time: float = 0.02,
+        filter_bandwidth: Real = 100.0,
+        com_lost_time: Real = 0.02,
         max_step: _Limit | None = None,
         reach: _Limit | None = None,
         options: WorkerOptions | None = None,

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from typing import Unpack
 
     from aioduco.api.streams.arguments import FeedingOptions, ServoOptions
-    from aioduco.models.rules import VectorLike
+    from aioduco.models.rules import Real, VectorLike
     from aioduco.streaming.shared.options import WorkerOptions
     from aioduco.streaming.shared.space import Limits
     from aioduco.streaming.shared.turning import MotionFrame
@@ -106,11 +106,11 @@ class Servo(StreamMaker):
     def joints(
         self,
         *,
-        v: float,
-        a: float,
-        jerk: float | None = None,
-        max_step: float = 0.2,
-        reach: float = 0.1,
+        v: Real,
+        a: Real,
+        jerk: Real | None = None,
+        max_step: Real = 0.2,
+        reach: Real = 0.1,
         gains: ServoGains | None = None,
         options: WorkerOptions | None = None,
         **feeding: Unpack[ServoOptions],
@@ -152,8 +152,8 @@ class Servo(StreamMaker):
     def pose(
         self,
         *,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         velocity: _Pair = (0.25, 1.0),
         acceleration: _Pair = (1.0, 4.0),
         jerk: _Pair | None = None,
@@ -202,8 +202,8 @@ class Servo(StreamMaker):
     def linear(
         self,
         *,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         velocity: _Pair = (0.25, 1.0),
         acceleration: _Pair = (1.0, 4.0),
         jerk: _Pair | None = None,
@@ -254,8 +254,8 @@ class Servo(StreamMaker):
     def tcp_offset(
         self,
         *,
-        v: float,
-        a: float,
+        v: Real,
+        a: Real,
         velocity: _Pair = (0.25, 1.0),
         acceleration: _Pair = (1.0, 4.0),
         jerk: _Pair | None = None,

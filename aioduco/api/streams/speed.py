@@ -15,6 +15,7 @@ from aioduco.streaming.shared.turning import into_tool
 from aioduco.streaming.stream import Stream
 
 if TYPE_CHECKING:
+    from aioduco.models.rules import Real
     from aioduco.streaming.shared.options import WorkerOptions
     from aioduco.streaming.shared.turning import MotionFrame
 
@@ -37,8 +38,8 @@ class Speed(StreamMaker):
     def joints(
         self,
         *,
-        a: float,
-        v: float = 1.0,
+        a: Real,
+        v: Real = 1.0,
         dead_man: float = 0.2,
         rate: float = 50.0,
         latest: bool = True,
@@ -79,10 +80,10 @@ class Speed(StreamMaker):
     def linear(
         self,
         *,
-        a: float,
-        turn_a: float = 2.0,
-        v: float = 0.25,
-        turn_v: float = 1.0,
+        a: Real,
+        turn_a: Real = 2.0,
+        v: Real = 0.25,
+        turn_v: Real = 1.0,
         frame: MotionFrame = "tool",
         wobj: str = "",
         dead_man: float = 0.2,

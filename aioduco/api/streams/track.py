@@ -20,7 +20,7 @@ from aioduco.supervision.motion_sources import TRACK_POOL
 
 if TYPE_CHECKING:
     from aioduco.models.op import Op
-    from aioduco.models.rules import VectorLike
+    from aioduco.models.rules import Real, VectorLike
     from aioduco.streaming.shared.options import WorkerOptions
 
 
@@ -108,9 +108,9 @@ class TrackStreams(StreamMaker):
         self,
         space: Literal["joints", "pose"],
         *,
-        speed: float,
-        acc: float,
-        radius: float = 0.005,
+        speed: Real,
+        acc: Real,
+        radius: Real = 0.005,
         tool: str = "",
         wobj: str = "",
         operations: bool = False,
@@ -119,8 +119,8 @@ class TrackStreams(StreamMaker):
         period: float = 0.02,
         hold: float = 5.0,
         ahead: int = 200,
-        max_step: float | tuple[float, float] | None = None,
-        reach: float | tuple[float, float] | None = None,
+        max_step: Real | tuple[float, float] | None = None,
+        reach: Real | tuple[float, float] | None = None,
         options: WorkerOptions | None = None,
     ) -> TrackStream:
         """Follow the points of a path (trackEnqueue, trackJointMotion, trackCartMotion).
