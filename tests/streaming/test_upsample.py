@@ -88,7 +88,7 @@ def test_every_way_ends_at_rest_at_the_last_target(way: str, targets: list[Confi
         generator.step()
     assert generator.at_rest
     assert generator.config == targets[-1]
-    assert generator.velocity == ZERO
+    assert generator._limiter.velocity == ZERO
 
 
 @pytest.mark.parametrize("way", UPSAMPLING)
@@ -98,7 +98,7 @@ def test_every_way_brakes_to_rest_where_it_is(way: str, target: Config, ticks: i
     generator = PositionGenerator(way, JOINT_SPACE, LIMITS, PERIOD, ZERO)
     generator.aim(target, SLOW, SLOW)
     points = [generator.step() for _ in range(ticks)]
-    speed = max(map(abs, generator.velocity))
+    speed = max(map(abs, generator._limiter.velocity))
     start = generator.config
     count = 0
     while not generator.at_rest or not count:

@@ -136,18 +136,14 @@ class OrCurrent(Rule):
         length: the number of elements of a vector.
     """
 
-    __slots__ = ("rule",)
+    __slots__ = ("length", "rule")
 
     def __init__(self, rule: Vector) -> None:
         self.rule: Vector = rule
+        self.length: int | None = rule.length
         super().__init__(
             f"{rule.expected}, or None for the controller's present value", rule.source
         )
-
-    @property
-    def length(self) -> int | None:
-        """The number of elements of a vector."""
-        return self.rule.length
 
     def __call__(self, name: str, value: VectorLike | None) -> list[float]:
         """Check `value` and return it as a list of floats, empty for the present value."""

@@ -17,10 +17,13 @@ class MemoryFile:
 
     Args:
         descriptor: an open descriptor, which this object owns from now on.
+
+    Attributes:
+        handle: the descriptor, to be passed to another process.
     """
 
     def __init__(self, descriptor: int) -> None:
-        self._descriptor = descriptor
+        self.handle: int = descriptor
 
     @classmethod
     def make(cls, size: int) -> MemoryFile:
@@ -33,20 +36,15 @@ class MemoryFile:
             raise
         return cls(descriptor)
 
-    @property
-    def handle(self) -> int:
-        """The descriptor, to be passed to another process."""
-        return self._descriptor
-
     def map(self) -> mmap.mmap:
         """Map all of it."""
-        return mmap.mmap(self._descriptor, os.fstat(self._descriptor).st_size)
+        return mmap.mmap(self.handle, os.fstat(self.handle).st_size)
 
     def close_descriptor(self) -> None:
         """Close the descriptor: the other process has its own. The mapping stays."""
-        if self._descriptor >= 0:
-            os.close(self._descriptor)
-            self._descriptor = -1
+        if self.handle >= 0:
+            os.close(self.handle)
+            self.handle = -1
 
     def close(self) -> None:
         """Release the memory."""

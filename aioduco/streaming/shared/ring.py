@@ -54,12 +54,12 @@ class Ring:
         extra: size of the encoded data of a point [bytes].
     """
 
-    __slots__ = ("_buffer", "_capacity", "_extra", "_slot", "_words", "overwritten")
+    __slots__ = ("_buffer", "_extra", "_slot", "_words", "capacity", "overwritten")
 
     def __init__(self, buffer: memoryview, capacity: int, extra: int = 0) -> None:
         self._words = buffer[:16].cast("Q")
         self._buffer = buffer[16:]
-        self._capacity = capacity
+        self.capacity: int = capacity
         self._extra = extra
         self._slot = _slot_size(extra)
         #: set-points that the reader skipped because newer ones were there
@@ -71,14 +71,9 @@ class Ring:
         return 16 + capacity * _slot_size(extra)
 
     @property
-    def capacity(self) -> int:
-        """Number of set-points that fit."""
-        return self._capacity
-
-    @property
     def level(self) -> int:
         """Set-points written and not yet read."""
-        return max(0, min(self._words[_HEAD] - self._words[_TAIL], self._capacity))
+        return max(0, min(self._words[_HEAD] - self._words[_TAIL], self.capacity))
 
     @property
     def read(self) -> int:
@@ -93,7 +88,7 @@ class Ring:
         """
         # The tail read here may be old. It only grows, so the writer can only overestimate how full
         # the ring is.
-        if self._words[_HEAD] - self._words[_TAIL] >= self._capacity:
+        if self._words[_HEAD] - self._words[_TAIL] >= self.capacity:
             return False
         self.overwrite(values, stamp, extra)
         return True
@@ -104,7 +99,7 @@ class Ring:
             raise ValueError(f"{len(extra)} bytes go with the point; {self._extra} fit")
         number = self._words[_HEAD] + 1
         body = _BODY.pack(number, stamp, *values, len(extra)) + extra
-        start = (number % self._capacity) * self._slot
+        start = (number % self.capacity) * self._slot
         self._buffer[start : start + 8 + len(body)] = _CRC.pack(zlib.crc32(body)) + body
         self._words[_HEAD] = number
 
@@ -124,7 +119,7 @@ class Ring:
         If the writer overwrites a slot during the read, the slot before it is read instead.
         """
         seen, head = self._words[_TAIL], self._words[_HEAD]
-        for number in range(head, max(seen, head - self._capacity), -1):
+        for number in range(head, max(seen, head - self.capacity), -1):
             point = self._slot_at(number)
             if point is not None:
                 self.overwritten += number - seen - 1
@@ -138,7 +133,7 @@ class Ring:
         self._buffer.release()
 
     def _slot_at(self, number: int) -> SetPoint | None:
-        start = (number % self._capacity) * self._slot
+        start = (number % self.capacity) * self._slot
         copy = bytes(self._buffer[start : start + self._slot])
         found, stamp, *values, length = _BODY.unpack_from(copy, 8)
         if found != number or length > self._extra:

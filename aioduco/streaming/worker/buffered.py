@@ -389,14 +389,14 @@ class TrackPoolDriver(Driver):
                 return True
             case PoolAction.WAIT | PoolAction.FOLLOW:
                 pass
-        return self._follows(self._task if left else 0, waits=True)
+        return self._follows(self.task if left else 0, waits=True)
 
     def _go(self) -> bool:
         """Start the controller's motion through the pool."""
         name, args = self._pool.function, tuple(self._pool.arguments)
-        self._task = self._connection.call(name, args, self._timeout, self._permit.require)
-        if refused(self._task):
-            return self._finish(Reason.REFUSED, f"{name} answered {self._task}")
+        self.task = self._connection.call(name, args, self._timeout, self._permit.require)
+        if refused(self.task):
+            return self._finish(Reason.REFUSED, f"{name} answered {self.task}")
         self._states.begin()
         return True
 
@@ -405,7 +405,7 @@ class TrackPoolDriver(Driver):
         state = self._state()
         if state in _RUNNING:
             return True
-        reason, text = ended(self._task, state)
+        reason, text = ended(self.task, state)
         if reason:
             return self._finish(reason, text)
         # The controller may have taken the last point in the meantime.
@@ -459,7 +459,7 @@ class TrackPoolDriver(Driver):
 
         A motion that somebody paused is stopped: it would not end before somebody resumes it.
         """
-        if not self._task or (state := self._state()) not in _RUNNING:
+        if not self.task or (state := self._state()) not in _RUNNING:
             return False
         if state == TaskState.PAUSED:
             self._connection.call("stop", (True,), self._timeout)
@@ -467,11 +467,11 @@ class TrackPoolDriver(Driver):
         return True
 
     def _task_runs(self) -> bool:
-        return bool(self._task) and self._state() in _RUNNING
+        return bool(self.task) and self._state() in _RUNNING
 
     def _state(self) -> int:
         """State of the motion through the pool."""
-        state: int = self._connection.call("get_noneblock_taskstate", (self._task,), self._timeout)
+        state: int = self._connection.call("get_noneblock_taskstate", (self.task,), self._timeout)
         return state
 
     def brake(self, reason: Reason, text: str = "") -> None:

@@ -23,12 +23,15 @@ class Driver(ABC):
         life: the state of the stream, and why it ends.
         connection: the worker's connection, open.
         block: the shared block.
+
+    Attributes:
+        task: id of the controller's task that moves the arm; 0: none yet, or there is none.
     """
 
     def __init__(self, life: Life, connection: Connection, block: Block) -> None:
         options = block.config.options
         self.life: Life = life
-        self._task = 0
+        self.task: int = 0
         self._connection = connection
         self._block = block
         self._timeout = options.timeout
@@ -44,11 +47,6 @@ class Driver(ABC):
     def state(self) -> StreamState:
         """State of the stream."""
         return self.life.state
-
-    @property
-    def task(self) -> int:
-        """Id of the controller's task that moves the arm; 0: none yet, or there is none."""
-        return self._task
 
     @abstractmethod
     def tick(self, hurry: bool) -> bool:

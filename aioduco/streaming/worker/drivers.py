@@ -56,17 +56,17 @@ class CallDriver(Driver):
             values = feed.wire(values)
             start = time.monotonic_ns()
             ahead = hurry and not feed.reads
-            self._task = self._point.send(values, self._look_ahead if ahead else None)
+            self.task = self._point.send(values, self._look_ahead if ahead else None)
             self._round_trip(time.monotonic_ns() - start)
             self._sent += 1
-            if self._task < 0:
-                return self._finish(Reason.REFUSED, f"{self._name} answered {self._task}")
-            self._numbers.sent(self._task, time.monotonic())
+            if self.task < 0:
+                return self._finish(Reason.REFUSED, f"{self._name} answered {self.task}")
+            self._numbers.sent(self.task, time.monotonic())
         if self._stopped():
             return False
         if self.state is StreamState.ENDED and self._ahead is None:
             return bool(self._numbers.in_question) and self.life.reason in _UNSTOPPED
-        return self._follows(self._task)
+        return self._follows(self.task)
 
     def _stopped(self) -> bool:
         """Poll whether another caller stopped a task in question; if so, stop again and end.

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from aioduco.streaming.shared.block import Block
     from aioduco.streaming.shared.options import Feeding
     from aioduco.streaming.shared.ring import SetPoint
-    from aioduco.streaming.shared.space import Config, Displacement, Limits, Space
+    from aioduco.streaming.shared.space import Config, Limits, Space
     from aioduco.streaming.worker.checked import EnvelopeCheck
     from aioduco.streaming.worker.chunks import ActionTimeline
     from aioduco.streaming.worker.interpolation import Linear
@@ -77,11 +77,6 @@ class PositionGenerator:
     def config(self) -> Config:
         """The set-point of the last tick."""
         return self._limiter.config
-
-    @property
-    def velocity(self) -> Displacement:
-        """Velocity of the set-point, per second."""
-        return self._limiter.velocity
 
     @property
     def limited(self) -> int:
