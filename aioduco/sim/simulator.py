@@ -22,7 +22,7 @@ from aioduco.kinematics import arm as arm_of
 from aioduco.models.gripper_models import gripper_model
 from aioduco.models.host_port import host_port
 from aioduco.models.pose import Joints, Pose
-from aioduco.models.ranges import FLAG, JOINTS, LISTEN_HOST, LISTEN_PORT, WAIT
+from aioduco.models.ranges import FLAG, JOINTS, LISTEN_HOST, LISTEN_PORT, OWN_NAME, WAIT
 from aioduco.models.rules import Integer, Number
 from aioduco.models.words import one_of
 from aioduco.sim import trial
@@ -617,6 +617,8 @@ class Simulator(OperatorActions, PartFaults, ArmPictures, Startable):
 
 
 def _by_name(name: str, table: object) -> None:
-    """Check that an argument is a dict, or None."""
+    """Check that an argument is a dict with names, or None."""
     if table is not None and not isinstance(table, Mapping):
         raise ParameterError(name, table, "a dict: what there is, by its name")
+    for each in table or ():
+        OWN_NAME(f"a name of {name}", each)

@@ -64,6 +64,24 @@ async def where(robot: aioduco.Robot, name: str = "rail") -> float:
     return states[name].position
 
 
+@pytest.mark.parametrize(
+    "axes",
+    [3, "rail", {}, [3.0], ["rail"], [None], [[1.0]], [[0.0, 1.0, math.nan, 1.0]], [[1.0] * 7]],
+    ids=str,
+)
+def test_a_scheme_of_what_are_no_axes_is_refused(axes: Any) -> None:
+    with pytest.raises(aioduco.ParameterError, match=r"external_axes\['rail'\]"):
+        Simulator(external_axes={"rail": axes})
+
+
+@pytest.mark.parametrize("table", ["external_axes", "values", "programs"])
+def test_what_a_simulator_has_by_name_has_names(table: str) -> None:
+    for name in ("", 3, None, "a\nb"):
+        tables: dict[str, Any] = {table: {name: []}}
+        with pytest.raises(aioduco.ParameterError, match=f"a name of {table} is"):
+            Simulator(**tables)
+
+
 async def test_schemes_are_switched_on_and_off(robot: aioduco.Robot, cell: Simulator) -> None:
     axes = robot.external_axes
     assert [(s.scheme_name, s.status) for s in await axes.get_eaxis_info()] == [
@@ -256,7 +274,7 @@ async def test_axes_and_schemes_are_set_up_over_the_wire(
     ],
 )
 def test_schemes_that_make_no_sense(schemes: dict[str, list[Axis]]) -> None:
-    with pytest.raises(ValueError, match="external axes"):
+    with pytest.raises(ValueError, match=r"external.axes"):
         Simulator(external_axes=schemes)
 
 

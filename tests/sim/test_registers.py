@@ -193,6 +193,9 @@ def test_system_values_are_finite_and_of_one_type() -> None:
     for wrong in (math.nan, [math.inf], mixed):
         with pytest.raises(ValueError, match=r"finite|both"):
             values.define("wrong", wrong)
+    for no_value in (None, {"a": 1.0}, b"text", [None], ["text"], [[None]], [[1.0], b"x"]):
+        with pytest.raises(ValueError, match="a system value"):
+            values.define("wrong", no_value)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="empty"):
         values.define("", 1.0)
     with pytest.raises(UndefinedValue, match="a list of lists, not a list"):

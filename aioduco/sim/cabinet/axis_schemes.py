@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from aioduco.errors import ParameterError
 from aioduco.models.bounds import outside
+from aioduco.models.ranges import FINITES
 from aioduco.sim.planner.axes import ExternalAxesMove
 from aioduco.sim.planner.path import PlanError
 from aioduco.sim.refusal import Rejected, illegal, mismatch
@@ -22,6 +24,8 @@ if TYPE_CHECKING:
 
 #: most axes of a scheme: positions on the wire have three numbers
 _MOST = 3
+#: numbers of an axis that must be given
+_NEEDED = 4
 #: numbers of axes and schemes are below this one
 CAPACITY = 32
 
@@ -102,7 +106,7 @@ class SimulatedExternalAxes:
         self._schemes: dict[int, Scheme] = {}  # replaced, not changed: read without a lock
         try:
             for name, axes in (schemes or {}).items():
-                self._define(name, [Axis(*axis) for axis in axes])
+                self._define(name, _given(name, axes))
         except Rejected as exc:
             raise ValueError(f"external axes: {exc}") from None
 
@@ -270,3 +274,18 @@ class SimulatedExternalAxes:
 def _check_number(number: int) -> None:
     if not 0 <= number < CAPACITY:
         raise mismatch(f"num is {number}, but must be from 0 to {CAPACITY - 1}")
+
+
+def _given(name: str, axes: Sequence[Sequence[float]]) -> list[Axis]:
+    """The axes of a scheme as a program gives them."""
+    where = f"external_axes[{name!r}]"
+    if not isinstance(axes, (list, tuple)):
+        raise ParameterError(where, axes, "a list of axes")
+    found = []
+    for number, axis in enumerate(axes):
+        numbers = FINITES(f"{where}[{number}]", axis)
+        if not _NEEDED <= len(numbers) <= len(Axis._fields):
+            expected = "an Axis: lower, upper, velocity, acceleration, perhaps braking and jog"
+            raise ParameterError(f"{where}[{number}]", axis, expected)
+        found.append(Axis(*numbers))
+    return found

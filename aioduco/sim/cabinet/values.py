@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from contextlib import suppress
 from typing import TYPE_CHECKING, TypeVar
 
-from aioduco.models.numpy_on_use import is_array, is_scalar
+from aioduco.errors import ParameterError
+from aioduco.models.numpy_on_use import is_array, is_number, is_scalar
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Mapping
 
     Value = bool | float | str | Sequence[float] | Sequence[Sequence[float]]
 
@@ -99,8 +102,9 @@ def _stored(value: Value) -> _Stored:
         return value
     if isinstance(value, int | float):
         return _finite(value)
+    _require_list(value)
     plain = [row.tolist() if is_array(row) or is_scalar(row) else row for row in value]
-    rows = [row if isinstance(row, int | float) else [_finite(n) for n in row] for row in plain]
+    rows = [row if isinstance(row, int | float) else _numbers(row) for row in plain]
     nested = [row for row in rows if isinstance(row, list)]
     if nested:
         if len(nested) != len(rows):
@@ -109,11 +113,22 @@ def _stored(value: Value) -> _Stored:
     return [_finite(row) for row in rows if not isinstance(row, list)]
 
 
+def _require_list(value: object) -> None:
+    if not isinstance(value, Sequence) or isinstance(value, (str, bytes)):
+        kinds = "a bool, a number, a text, a list of numbers, or a list of such lists"
+        raise ParameterError("a system value", value, kinds)
+
+
+def _numbers(row: Sequence[float]) -> list[float]:
+    _require_list(row)
+    return [_finite(number) for number in row]
+
+
 def _finite(value: float) -> float:
-    try:
-        number = float(value)
-    except OverflowError:
-        number = math.inf
+    number = math.nan
+    if is_number(value):
+        with suppress(OverflowError):
+            number = float(value)
     if not math.isfinite(number):
         raise ValueError(f"a system value holds finite numbers, not {value}")
     return number
