@@ -465,7 +465,7 @@ def test_every_function_of_the_robot_can_be_called_by_its_name() -> None:
         assert callable(function_of(robot, where)), name
         assert f"`{where}`" in page
     described = run("call", "move1", "--describe").stdout
-    assert described.startswith("robot.motion.movel(pose: PoseLike, v: float")
+    assert described.startswith("robot.motion.movel(pose: PoseLike, v: Real")
     assert "移动" in described or "运动" in described
 
 

@@ -71,12 +71,12 @@ def per_group(name: str, value: Real | Sequence[Real], groups: int) -> tuple[flo
     Raises:
         ParameterError: the value has another shape, or is not above zero.
     """
-    if is_number(value) or not isinstance(value, (list, tuple, np.ndarray)):
-        one: Any = value
-        return (_LIMIT(name, one),) * groups
-    if np.shape(value) != (groups,):
-        raise ParameterError(name, value, f"one number, or {groups}")
-    return tuple(_LIMIT(f"{name}[{group}]", each) for group, each in enumerate(value))
+    given: Any = value
+    if is_number(given) or not isinstance(given, (list, tuple, np.ndarray)):
+        return (_LIMIT(name, given),) * groups
+    if np.shape(given) != (groups,):
+        raise ParameterError(name, given, f"one number, or {groups}")
+    return tuple(_LIMIT(f"{name}[{group}]", each) for group, each in enumerate(given))
 
 
 def motion_limits(
