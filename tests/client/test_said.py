@@ -235,7 +235,7 @@ def test_help_of_sync_motions_shows_how_they_are_called(waiting: aioduco.sync.Ro
         text = helped(movej2)
         assert "movej2(" in text.splitlines()[2]
         # a line, or from Python 3.13 on a line for each parameter
-        assert "joints: 'JointsLike', v: 'float', a: 'float'" in " ".join(text.split())
+        assert "joints: 'JointsLike', v: 'Real', a: 'Real'" in " ".join(text.split())
         assert "-> 'Outcome'" in text
         assert "关节运动" in text
         assert inspect.signature(movej2).return_annotation == "Outcome"
