@@ -16,11 +16,12 @@ from aioduco.supervision.task import OnCancel
 from aioduco.supervision.task_command import blocking, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Generator, Iterable
+    from collections.abc import Coroutine, Generator, Iterable
 
     from aioduco._wire.lane import WireLane
     from aioduco.models.enums import TaskState
     from aioduco.supervision.dispatcher import Dispatcher
+    from aioduco.supervision.gate import Permit
     from aioduco.supervision.task import Task
     from aioduco.supervision.task_command import Command
 
@@ -88,12 +89,14 @@ class MotionCommand(Uncopied):
         """Whether it moves the arm of the robot to which this dispatcher belongs."""
         return self._dispatcher is dispatcher
 
-    async def start(
+    def start(
         self, *, deadline: float | None = None, on_cancel: OnCancel | None = None
-    ) -> Task:
+    ) -> Coroutine[Any, Any, Task]:
         """Send the motion and return its task as soon as the controller has accepted it.
 
         If this is cancelled, a motion that was sent is stopped; otherwise it is not sent at all.
+        A stop or a pause ends it also if it comes between this call and the moment in which a task
+        of the event loop, or the loop of another thread, has begun it.
 
         Args:
             deadline: seconds after which the arm is stopped if the motion has not ended; None
@@ -105,9 +108,15 @@ class MotionCommand(Uncopied):
             ParameterError: an argument is out of range; nothing was sent.
             Refused: the controller refused it.
             RobotStateError: the robot is being closed, or its heartbeat is not running.
+            TaskStopped: the arm was stopped after this call; nothing was sent.
             OutcomeUnknown: it was sent, but not answered; the arm was stopped.
             ConnectionLost: it was not sent.
         """
+        return self._start(self._dispatcher.present(self.command), deadline, on_cancel)
+
+    async def _start(
+        self, asked: Permit, deadline: float | None, on_cancel: OnCancel | None
+    ) -> Task:
         self.mark_used()
         if deadline is not None:
             deadline = SECONDS("deadline", deadline)
@@ -115,7 +124,7 @@ class MotionCommand(Uncopied):
             one_of("on_cancel", on_cancel, get_args(OnCancel))
         with trial.started():
             return await self._dispatcher.launch(
-                self.command, deadline=deadline, on_cancel=on_cancel
+                self.command, deadline=deadline, on_cancel=on_cancel, asked=asked
             )
 
     async def block(self, lane: WireLane) -> TaskState:

@@ -152,6 +152,7 @@ class Dispatcher:
         deadline: float | None = None,
         on_cancel: OnCancel | None = None,
         behind: Task | None = None,
+        asked: Permit | None = None,
     ) -> Task:
         """Send a command and return its task; `MotionCommand.start` describes it.
 
@@ -160,11 +161,12 @@ class Dispatcher:
             deadline: seconds after which the arm is stopped.
             on_cancel: what happens if the await of the task is cancelled.
             behind: the motion of a path after which it is sent; None for any other.
+            asked: the permit of the moment in which the program asked for it; None for now.
 
         Raises:
             TaskError: that motion has ended, and did not succeed; nothing was sent.
         """
-        permit = self._asked(command)
+        permit = self._asked(command, asked)
         # Locked until the result of the command is certain: while a command that was lost is being
         # stopped, no other motion is sent, and the robot is not closed.
         async with self._order:
@@ -176,6 +178,10 @@ class Dispatcher:
             await anyio.lowlevel.checkpoint_if_cancelled()  # from here to the send is no other
             self._admit(command, permit)
             return await self._launch(command, permit, errors, deadline, on_cancel)
+
+    def present(self, command: Command) -> Permit:
+        """Return the permit of this moment, in which a program asks for a command; any thread."""
+        return self._gate.present(command.name)
 
     async def _prepared(self, command: Command, permit: Permit) -> Command:
         """Wait for stops, then convert a motion into the wire's frame, and check it."""
@@ -341,20 +347,21 @@ class Dispatcher:
             await self._coordinator.cancelled_while_waiting(task)
             raise
 
-    def _asked(self, command: Command) -> Permit:
+    def _asked(self, command: Command, asked: Permit | None = None) -> Permit:
         """Ask for a permit to send a command.
 
         Raises:
             RobotStateError: the robot is not open, or a stream is open.
             HeartbeatLost: the heartbeat does not beat, or the program hung.
-            TaskStopped: the undertaking to which it belongs has ended.
+            TaskStopped: the undertaking to which it belongs has ended, or the program asked for it
+                before a stop.
         """
         self._lane.owner_loop.require(command.name)
         self.require_opened(command.name)
         if not command.motion:
             return self._gate.ask(command.name, boot_time(), moves=False)
         self._refuse_beside_stream(command.name)
-        return self._permits.ask(command.name)
+        return self._permits.ask(command.name, asked)
 
     def _admit(self, command: Command, permit: Permit) -> None:
         """Check a command once more, after what was awaited, and note that a motion is sent."""

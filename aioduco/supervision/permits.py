@@ -36,20 +36,23 @@ class Permits:
     def __init__(self, gate: Gate) -> None:
         self.gate = gate
 
-    def ask(self, name: str, *, lasting: bool = False) -> Permit:
+    def ask(self, name: str, asked: Permit | None = None, *, lasting: bool = False) -> Permit:
         """Ask for a permit, within the undertaking in progress.
 
         Args:
             name: what can move the arm.
+            asked: the permit of the moment in which the program asked for it; None for now.
             lasting: whether it is an undertaking: a pause does not end it.
 
         Raises:
             RobotStateError: the robot is closed, or is being closed.
             HeartbeatLost: the heartbeat does not beat, or the program hung.
-            TaskStopped: the undertaking has ended.
+            TaskStopped: the undertaking, or that permit, has ended.
         """
-        within = [permit for owner, permit in _undertakings.get() if owner is self]
-        return self.gate.ask(name, boot_time(), within[-1] if within else None, lasting=lasting)
+        within = [permit for owner, permit in _undertakings.get() if owner is self][-1:]
+        if asked is not None:
+            within.append(asked)
+        return self.gate.ask(name, boot_time(), within, lasting=lasting)
 
     async def after_stops(self, permit: Permit) -> None:
         """Wait until no stop is being confirmed.
