@@ -31,7 +31,8 @@ _found: dict[str, dict[str, tuple[rules.Rule, ...]]] = {}
 
 def _asked(case: Case) -> dict[str, tuple[rules.Rule, ...]]:
     asked: dict[str, list[rules.Rule]] = {}
-    kinds = {kind for kind in vars(rules).values() if isinstance(kind, type)}
+    exported = [kind for kind in vars(rules).values() if isinstance(kind, type)]
+    kinds = {kind for each in exported for kind in each.mro()}  # a base may hold the check
     with pytest.MonkeyPatch.context() as patch:
         for kind in kinds:
             if issubclass(kind, rules.Rule) and "__call__" in vars(kind):

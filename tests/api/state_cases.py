@@ -124,8 +124,9 @@ ENDINGS = [
     carried_out("motion", name, {}, False)
     for name in ("speed_stop", "stop_manual_move", "end_teach_mode")
 ]
-WHOLE = [carried_out("", name, {}, False) for name in ("stop", "pause", "abort")]
-RESUME = [replace(carried_out("", "resume", {}, False), result=False)]
+WHOLE = [carried_out("", name, {}, False) for name in ("stop", "abort")]
+#: whether anything is paused, or was: nothing moves
+PAUSES = [replace(carried_out("", name, {}, False), result=False) for name in ("pause", "resume")]
 TEACHING = [Case("motion", "teach_mode", {"time": 30.0}, (False,), answer=1000, moves=True)]
 
-CASES = [*STATES, *SAMPLES, *SIGNALS, *POWER, *ENDINGS, *WHOLE, *RESUME, *TEACHING]
+CASES = [*STATES, *SAMPLES, *SIGNALS, *POWER, *ENDINGS, *WHOLE, *PAUSES, *TEACHING]
