@@ -97,6 +97,7 @@ class FleetClient(Uncopied):
             MissingExtra: the extra `fleet` is not installed.
             FleetFileError: an address is none, or Zenoh's own file is wrong.
             ConnectError: no router answers.
+            RobotStateError: it is connected already.
         """
         await self._link.__aenter__()
         self._present.clear()  # what was seen the last time may be gone
