@@ -394,7 +394,7 @@ class TrackPoolDriver(Driver):
     def _go(self) -> bool:
         """Start the controller's motion through the pool."""
         name, args = self._pool.function, tuple(self._pool.arguments)
-        self.task = self._connection.call(name, args, self._timeout, self._permit.require)
+        self.task: int = self._connection.call(name, args, self._timeout, self._permit.require)
         if refused(self.task):
             return self._finish(Reason.REFUSED, f"{name} answered {self.task}")
         self._states.begin()

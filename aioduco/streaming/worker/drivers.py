@@ -56,7 +56,7 @@ class CallDriver(Driver):
             values = feed.wire(values)
             start = time.monotonic_ns()
             ahead = hurry and not feed.reads
-            self.task = self._point.send(values, self._look_ahead if ahead else None)
+            self.task: int = self._point.send(values, self._look_ahead if ahead else None)
             self._round_trip(time.monotonic_ns() - start)
             self._sent += 1
             if self.task < 0:
