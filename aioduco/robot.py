@@ -31,6 +31,7 @@ from aioduco.models.ranges import TIMEOUT as SECONDS
 from aioduco.models.similar import MisspeltRefused
 from aioduco.models.trace import ProcedureFinished, emit
 from aioduco.supervision.concurrency import DaemonThread
+from aioduco.supervision.permits import asked_at_call
 from aioduco.supervision.settings import RobotSettings
 
 if TYPE_CHECKING:
@@ -75,6 +76,7 @@ if TYPE_CHECKING:
     from aioduco.supervision.bringup import RecoverReport
     from aioduco.supervision.events import Events
     from aioduco.supervision.heartbeat import HeartbeatStatistics
+    from aioduco.supervision.permits import Permits
     from aioduco.supervision.settings import ClosingSteps, GuardKind
     from aioduco.supervision.state_feed import Snapshot, StateFeed
     from aioduco.supervision.supervisor import SupervisorStatistics
@@ -394,6 +396,10 @@ class Robot(Uncopied, ManualNames, MisspeltRefused):
         from aioduco.streaming.endpoint import StreamEndpoint  # noqa: PLC0415  # with the streams
 
         return StreamEndpoint.of(self._supervisor)
+
+    @property
+    def _permits(self) -> Permits:
+        return self._supervisor.permits
 
     def __repr__(self) -> str:
         where, tasks = host_port(self.host, self.port), len(self.tasks)
@@ -794,6 +800,7 @@ class Robot(Uncopied, ManualNames, MisspeltRefused):
         self._supervisor.check_open("pause")
         return await self._supervisor.stop_coordinator.pause()
 
+    @asked_at_call
     async def resume(self) -> bool:
         """Resume all paused tasks (恢复所有暂停的任务).
 

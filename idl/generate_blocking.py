@@ -137,7 +137,7 @@ def function(generator: Generator, section: str, owner: type, name: str) -> list
     if len(body) > 1:
         body = _broken(f"        motion = {made}", sent, "")
         body += ["        return await self._block(motion)"]
-    return ["", *head, *doc, *body]
+    return ["", "    @asked_at_call", *head, *doc, *body]
 
 
 def documented(doc: str, section: str, name: str) -> list[str]:
@@ -174,6 +174,7 @@ def page() -> str:
     generator.run_time = {
         "from typing import TYPE_CHECKING",
         "from aioduco.api.section import Section",
+        "from aioduco.supervision.permits import asked_at_call",
     }
     lines: list[str] = []
     for section, kind in SECTIONS.items():

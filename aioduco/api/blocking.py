@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from aioduco.api.section import Section
+from aioduco.supervision.permits import asked_at_call
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -79,6 +80,7 @@ class BlockingMotions(Section):
         self._of_external_axes = external_axes
         self._of_force = force
 
+    @asked_at_call
     async def movej2(
         self,
         joints: JointsLike,
@@ -111,6 +113,7 @@ class BlockingMotions(Section):
         """
         return await self._block(self._of_motion.movej2(joints, v, a, r=r, op=op, def_acc=def_acc))
 
+    @asked_at_call
     async def movej_pose2(
         self,
         pose: PoseLike,
@@ -152,6 +155,7 @@ class BlockingMotions(Section):
         )
         return await self._block(motion)
 
+    @asked_at_call
     async def movej(
         self,
         joints: JointsLike,
@@ -188,6 +192,7 @@ class BlockingMotions(Section):
         """
         return await self._block(self._of_motion.movej(joints, v, a, r=r, op=op, def_acc=def_acc))
 
+    @asked_at_call
     async def movej_pose(
         self,
         pose: PoseLike,
@@ -233,6 +238,7 @@ class BlockingMotions(Section):
         )
         return await self._block(motion)
 
+    @asked_at_call
     async def movel(
         self,
         pose: PoseLike,
@@ -274,6 +280,7 @@ class BlockingMotions(Section):
         )
         return await self._block(motion)
 
+    @asked_at_call
     async def tcp_move(
         self,
         offset: PoseLike,
@@ -310,6 +317,7 @@ class BlockingMotions(Section):
         motion = self._of_motion.tcp_move(offset, v, a, r=r, tool=tool, op=op, def_acc=def_acc)
         return await self._block(motion)
 
+    @asked_at_call
     async def tcp_move_2p(
         self,
         p1: PoseLike,
@@ -352,6 +360,7 @@ class BlockingMotions(Section):
         )
         return await self._block(motion)
 
+    @asked_at_call
     async def wobj_move(
         self,
         offset: PoseLike,
@@ -389,6 +398,7 @@ class BlockingMotions(Section):
         motion = self._of_motion.wobj_move(offset, v, a, r=r, wobj=wobj, op=op, def_acc=def_acc)
         return await self._block(motion)
 
+    @asked_at_call
     async def wobj_move_2p(
         self,
         p1: PoseLike,
@@ -431,6 +441,7 @@ class BlockingMotions(Section):
         )
         return await self._block(motion)
 
+    @asked_at_call
     async def movec(
         self,
         via: PoseLike,
@@ -478,6 +489,7 @@ class BlockingMotions(Section):
         )
         return await self._block(motion)
 
+    @asked_at_call
     async def move_circle(
         self,
         p1: PoseLike,
@@ -524,6 +536,7 @@ class BlockingMotions(Section):
         )
         return await self._block(motion)
 
+    @asked_at_call
     async def spline(
         self,
         poses: Iterable[PoseLike],
@@ -564,6 +577,7 @@ class BlockingMotions(Section):
         )
         return await self._block(motion)
 
+    @asked_at_call
     async def spline_op(
         self,
         points: Iterable[PointOp],
@@ -603,6 +617,7 @@ class BlockingMotions(Section):
         )
         return await self._block(motion)
 
+    @asked_at_call
     async def move_spiral(
         self,
         center: PoseLike,
@@ -655,6 +670,7 @@ class BlockingMotions(Section):
         )
         return await self._block(motion)
 
+    @asked_at_call
     async def speedj(
         self, velocities: VectorLike, a: Real, *, time: Real | None = 1.0
     ) -> TaskState:
@@ -679,6 +695,7 @@ class BlockingMotions(Section):
         """
         return await self._block(self._of_motion.speedj(velocities, a, time=time))
 
+    @asked_at_call
     async def speedl(
         self,
         twist: VectorLike,
@@ -715,6 +732,7 @@ class BlockingMotions(Section):
         motion = self._of_motion.speedl(twist, a, time=time, frame=frame, wobj=wobj)
         return await self._block(motion)
 
+    @asked_at_call
     async def servoj(
         self,
         joints: JointsLike,
@@ -752,6 +770,7 @@ class BlockingMotions(Section):
         )
         return await self._block(motion)
 
+    @asked_at_call
     async def servoj_pose(
         self,
         pose: PoseLike,
@@ -796,6 +815,7 @@ class BlockingMotions(Section):
         )
         return await self._block(motion)
 
+    @asked_at_call
     async def servo_tcp(
         self,
         offset: PoseLike,
@@ -844,6 +864,7 @@ class BlockingMotions(Section):
         )
         return await self._block(motion)
 
+    @asked_at_call
     async def servol(
         self,
         pose: PoseLike,
@@ -890,6 +911,7 @@ class BlockingMotions(Section):
         )
         return await self._block(motion)
 
+    @asked_at_call
     async def move_jog(self, jog: Jog, *, directions: JogDirections | None = None) -> TaskState:
         """Jog one joint or one Cartesian direction (点动).
 
@@ -912,6 +934,7 @@ class BlockingMotions(Section):
         """
         return await self._block(self._of_motion.move_jog(jog, directions=directions))
 
+    @asked_at_call
     async def run_program(self, name: str) -> TaskState:
         """Run a program that is stored on the controller (运行程序脚本).
 
@@ -930,6 +953,7 @@ class BlockingMotions(Section):
         """
         return await self._block(self._of_program.run_program(name))
 
+    @asked_at_call
     async def trackJointMotion(self, speed: Real, acc: Real) -> TaskState:
         """Follow the points of the pool as joint angles (关节轨迹池跟随), until none is left.
 
@@ -950,6 +974,7 @@ class BlockingMotions(Section):
         """
         return await self._block(self._of_track.trackJointMotion(speed, acc))
 
+    @asked_at_call
     async def trackCartMotion(
         self, speed: Real, acc: Real, *, wobj: str = '', tool: str = '', radius: Real = 0.005
     ) -> TaskState:
@@ -977,6 +1002,7 @@ class BlockingMotions(Section):
         motion = self._of_track.trackCartMotion(speed, acc, wobj=wobj, tool=tool, radius=radius)
         return await self._block(motion)
 
+    @asked_at_call
     async def move_eaxis(
         self, scheme_name: str, epose: VectorLike, v: Real, *, op: Op | None = None
     ) -> TaskState:
@@ -1001,6 +1027,7 @@ class BlockingMotions(Section):
         """
         return await self._block(self._of_external_axes.move_eaxis(scheme_name, epose, v, op=op))
 
+    @asked_at_call
     async def movej2_eaxis(
         self,
         joints: JointsLike,
@@ -1043,6 +1070,7 @@ class BlockingMotions(Section):
         )
         return await self._block(motion)
 
+    @asked_at_call
     async def movej2_pose_eaxis(
         self,
         pose: PoseLike,
@@ -1092,6 +1120,7 @@ class BlockingMotions(Section):
         )
         return await self._block(motion)
 
+    @asked_at_call
     async def movel_eaxis(
         self,
         pose: PoseLike,
@@ -1141,6 +1170,7 @@ class BlockingMotions(Section):
         )
         return await self._block(motion)
 
+    @asked_at_call
     async def movec_eaxis(
         self,
         via: PoseLike,
@@ -1195,6 +1225,7 @@ class BlockingMotions(Section):
         )
         return await self._block(motion)
 
+    @asked_at_call
     async def move_circle_eaxis(
         self,
         p1: PoseLike,
@@ -1248,6 +1279,7 @@ class BlockingMotions(Section):
         )
         return await self._block(motion)
 
+    @asked_at_call
     async def fc_move(self) -> TaskState:
         """Move by force control alone (仅基于末端力控产生的补偿运动).
 

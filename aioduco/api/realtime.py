@@ -11,6 +11,7 @@ from aioduco.errors import ParameterError, Refused
 from aioduco.models import ranges
 from aioduco.models.realtime import RealtimeMode, RealtimePoint
 from aioduco.models.rules.lists import listed
+from aioduco.supervision.permits import asked_at_call
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -40,6 +41,7 @@ class Realtime(Section, RealtimeStreams):
         Section.__init__(self, supervisor)
         RealtimeStreams.__init__(self, endpoint)
 
+    @asked_at_call
     async def start_realtime_mode(
         self,
         mode: RealtimeMode | int,
@@ -90,6 +92,7 @@ class Realtime(Section, RealtimeStreams):
         """Call what ends the mode, at once: the error list is not read first."""
         check_finished(_ENDING, await self._rpc.end_realtime_mode())
 
+    @asked_at_call
     async def realtime_data_enqueue(self, points: Iterable[RealtimePoint]) -> None:
         """Put points into the queue (实时数据入队).
 

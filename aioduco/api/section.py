@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 
     from aioduco._wire.rpc import WireCall
     from aioduco.models.rules import Real
+    from aioduco.supervision.permits import Permits
     from aioduco.supervision.supervisor import Supervisor
     from aioduco.supervision.task_command import Aim
     from aioduco.supervision.task_follower import TaskFollower
@@ -70,6 +71,10 @@ class Section(Uncopied, ManualNames):
     def __repr__(self) -> str:
         where = host_port(self._supervisor.host, self._supervisor.port)
         return f"<{type(self).__name__} of {where}, {self._supervisor.state}>"
+
+    @property
+    def _permits(self) -> Permits:
+        return self._supervisor.permits
 
     @property
     def _follower(self) -> TaskFollower:

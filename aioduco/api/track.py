@@ -15,6 +15,7 @@ from aioduco.models import ranges
 from aioduco.models.pose import Joints, Pose
 from aioduco.supervision.gate import PermitEnding
 from aioduco.supervision.motion_sources import TRACK_POOL
+from aioduco.supervision.permits import asked_at_call
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -69,6 +70,7 @@ class Track(Section, TrackStreams):
         #: whether this program made the arm follow the pool: new points may then move the arm
         self._followed = False
 
+    @asked_at_call
     async def trackEnqueue(  # noqa: N802  # the name on the wire
         self, points: Iterable[JointsLike | PoseLike] | NDArray[Any]
     ) -> None:
@@ -99,6 +101,7 @@ class Track(Section, TrackStreams):
         joints = points_ if kind is Joints else ()
         await self._put(kind, calls.trackEnqueue(points_, True), joints)
 
+    @asked_at_call
     async def trackEnqueueOp(self, points: Iterable[PointOp]) -> None:  # noqa: N802  # as above
         """Put points into the pool, each with outputs to set there (带 Op 的轨迹点入池).
 

@@ -12,16 +12,17 @@ from aioduco.errors import MotionCarriedOut, ParameterError
 from aioduco.models.enums import Outcome
 from aioduco.models.ranges import TIMEOUT as SECONDS
 from aioduco.models.words import one_of
+from aioduco.supervision.permits import asked_at_call
 from aioduco.supervision.task import OnCancel
 from aioduco.supervision.task_command import blocking, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Coroutine, Generator, Iterable
+    from collections.abc import Generator, Iterable
 
     from aioduco._wire.lane import WireLane
     from aioduco.models.enums import TaskState
     from aioduco.supervision.dispatcher import Dispatcher
-    from aioduco.supervision.gate import Permit
+    from aioduco.supervision.permits import Permits
     from aioduco.supervision.task import Task
     from aioduco.supervision.task_command import Command
 
@@ -77,6 +78,10 @@ class MotionCommand(Uncopied):
             )
 
     @property
+    def _permits(self) -> Permits:
+        return self._dispatcher.permits
+
+    @property
     def aimed(self) -> bool:
         """Whether it depends on the tool's pose when it is sent, so that it is not sent ahead."""
         return self.command.aim is not None
@@ -89,14 +94,15 @@ class MotionCommand(Uncopied):
         """Whether it moves the arm of the robot to which this dispatcher belongs."""
         return self._dispatcher is dispatcher
 
-    def start(
+    @asked_at_call
+    async def start(
         self, *, deadline: float | None = None, on_cancel: OnCancel | None = None
-    ) -> Coroutine[Any, Any, Task]:
+    ) -> Task:
         """Send the motion and return its task as soon as the controller has accepted it.
 
         If this is cancelled, a motion that was sent is stopped; otherwise it is not sent at all.
-        A stop or a pause ends it also if it comes between this call and the moment in which a task
-        of the event loop, or the loop of another thread, has begun it.
+        A stop or a pause after the call ends it, too, also before a task or the loop of another
+        thread has begun it.
 
         Args:
             deadline: seconds after which the arm is stopped if the motion has not ended; None
@@ -108,15 +114,10 @@ class MotionCommand(Uncopied):
             ParameterError: an argument is out of range; nothing was sent.
             Refused: the controller refused it.
             RobotStateError: the robot is being closed, or its heartbeat is not running.
-            TaskStopped: the arm was stopped after this call; nothing was sent.
+            TaskStopped: the arm was stopped after the call; nothing was sent.
             OutcomeUnknown: it was sent, but not answered; the arm was stopped.
             ConnectionLost: it was not sent.
         """
-        return self._start(self._dispatcher.present(self.command), deadline, on_cancel)
-
-    async def _start(
-        self, asked: Permit, deadline: float | None, on_cancel: OnCancel | None
-    ) -> Task:
         self.mark_used()
         if deadline is not None:
             deadline = SECONDS("deadline", deadline)
@@ -124,7 +125,7 @@ class MotionCommand(Uncopied):
             one_of("on_cancel", on_cancel, get_args(OnCancel))
         with trial.started():
             return await self._dispatcher.launch(
-                self.command, deadline=deadline, on_cancel=on_cancel, asked=asked
+                self.command, deadline=deadline, on_cancel=on_cancel
             )
 
     async def block(self, lane: WireLane) -> TaskState:

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from aioduco.models.enums import Outcome
     from aioduco.supervision.gate import Permit
     from aioduco.supervision.motion_sources import ModeEnding
+    from aioduco.supervision.permits import Permits
     from aioduco.supervision.settings import RobotSettings
     from aioduco.supervision.stop_coordinator import StopCoordinator
     from aioduco.supervision.task import OnCancel
@@ -58,6 +59,7 @@ class Dispatcher:
 
     Attributes:
         accepted: number of commands that the controller accepted.
+        permits: permits to move the arm.
         check: checks each motion before it is sent; it may raise, or slow the motion down.
         require_opened: called with the name of each command; raises if the robot was never opened.
     """
@@ -70,7 +72,7 @@ class Dispatcher:
     ) -> None:
         self._lane = lane
         self._coordinator = coordinator
-        self._permits = coordinator.permits
+        self.permits: Permits = coordinator.permits
         self._gate = coordinator.permits.gate
         self._settings = settings
         self._clock = settings.clock
@@ -120,7 +122,7 @@ class Dispatcher:
         permit = self._asked(command)
         async with self._order:
             coordinator = self._coordinator
-            await self._permits.after_stops(permit)
+            await self.permits.after_stops(permit)
             await coordinator.modes.leave_overdue(name)
             self._admit(command, permit)
             motions = coordinator.follower.motions
@@ -152,7 +154,6 @@ class Dispatcher:
         deadline: float | None = None,
         on_cancel: OnCancel | None = None,
         behind: Task | None = None,
-        asked: Permit | None = None,
     ) -> Task:
         """Send a command and return its task; `MotionCommand.start` describes it.
 
@@ -161,12 +162,11 @@ class Dispatcher:
             deadline: seconds after which the arm is stopped.
             on_cancel: what happens if the await of the task is cancelled.
             behind: the motion of a path after which it is sent; None for any other.
-            asked: the permit of the moment in which the program asked for it; None for now.
 
         Raises:
             TaskError: that motion has ended, and did not succeed; nothing was sent.
         """
-        permit = self._asked(command, asked)
+        permit = self._asked(command)
         # Locked until the result of the command is certain: while a command that was lost is being
         # stopped, no other motion is sent, and the robot is not closed.
         async with self._order:
@@ -179,13 +179,9 @@ class Dispatcher:
             self._admit(command, permit)
             return await self._launch(command, permit, errors, deadline, on_cancel)
 
-    def present(self, command: Command) -> Permit:
-        """Return the permit of this moment, in which a program asks for a command; any thread."""
-        return self._gate.present(command.name)
-
     async def _prepared(self, command: Command, permit: Permit) -> Command:
         """Wait for stops, then convert a motion into the wire's frame, and check it."""
-        await self._permits.after_stops(permit)
+        await self.permits.after_stops(permit)
         await self._coordinator.modes.leave_overdue(command.name)
         if command.aim is not None:
             command = replace(command, args=await command.aim(command))
@@ -320,7 +316,7 @@ class Dispatcher:
             mode: what ends the mode in which the arm follows them, or removes them.
         """
         permit = self._asked(command)
-        await self._permits.after_stops(permit)
+        await self.permits.after_stops(permit)
         await self._coordinator.modes.leave_overdue(command.name)
         self._admit(command, permit)
         self._gate.resume()
@@ -347,21 +343,20 @@ class Dispatcher:
             await self._coordinator.cancelled_while_waiting(task)
             raise
 
-    def _asked(self, command: Command, asked: Permit | None = None) -> Permit:
+    def _asked(self, command: Command) -> Permit:
         """Ask for a permit to send a command.
 
         Raises:
             RobotStateError: the robot is not open, or a stream is open.
             HeartbeatLost: the heartbeat does not beat, or the program hung.
-            TaskStopped: the undertaking to which it belongs has ended, or the program asked for it
-                before a stop.
+            TaskStopped: the undertaking to which it belongs has ended.
         """
         self._lane.owner_loop.require(command.name)
         self.require_opened(command.name)
         if not command.motion:
             return self._gate.ask(command.name, boot_time(), moves=False)
         self._refuse_beside_stream(command.name)
-        return self._permits.ask(command.name, asked)
+        return self.permits.ask(command.name)
 
     def _admit(self, command: Command, permit: Permit) -> None:
         """Check a command once more, after what was awaited, and note that a motion is sent."""
@@ -369,7 +364,7 @@ class Dispatcher:
             self._gate.ask(command.name, boot_time(), moves=False)
             return
         self._refuse_beside_stream(command.name)
-        self._permits.check(permit)
+        self.permits.check(permit)
         self._coordinator.liveness.will_move(command.name)
 
     def _refuse_beside_stream(self, name: str) -> None:

@@ -35,7 +35,7 @@ from typing import TYPE_CHECKING
 from aioduco.errors import HeartbeatLost, RobotStateError, StopUnconfirmed, TaskStopped
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Callable, Iterator
 
     from aioduco.errors import DucoError
 
@@ -218,7 +218,7 @@ class Gate:
         self,
         name: str,
         now: float,
-        within: Iterable[Permit] = (),
+        within: Permit | None = None,
         *,
         moves: bool = True,
         lasting: bool = False,
@@ -228,21 +228,20 @@ class Gate:
         Args:
             name: what can move the arm.
             now: the time.
-            within: the permits with which it ends: of the undertaking to which it belongs, or of
-                the moment in which the program asked for it.
+            within: permit of the undertaking to which it belongs, and with which it ends.
             moves: whether it can move the arm; what cannot needs an open robot only.
             lasting: whether it is an undertaking: a pause does not end it.
 
         Raises:
             RobotStateError: the robot is closed, or is being closed.
             HeartbeatLost: the heartbeat does not beat, or the program hung.
-            TaskStopped: one of these permits has ended.
+            TaskStopped: the permit of the undertaking has ended.
         """
         self.look(now)
         if (refusal := self._closed(name)) is not None and (moves or self.closed):
             raise refusal
-        for older in within:
-            self._require_current(name, older)
+        if within is not None:
+            self._require_current(name, within)
         return Permit(name, self._lasting if lasting else self._epoch, self.stops)
 
     def present(self, name: str) -> Permit:

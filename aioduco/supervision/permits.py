@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import functools
+import inspect
+import sys
 from contextvars import ContextVar
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 import anyio
 
@@ -12,10 +15,13 @@ from aioduco._process.platform import boot_time
 from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Coroutine, Iterator
 
     from aioduco.supervision.gate import Gate, Permit
 
+
+P = ParamSpec("P")
+T = TypeVar("T")
 
 #: seconds between two checks whether a stop is confirmed, of what waits for it
 _STOPPING_EVERY = 0.01
@@ -36,23 +42,24 @@ class Permits:
     def __init__(self, gate: Gate) -> None:
         self.gate = gate
 
-    def ask(self, name: str, asked: Permit | None = None, *, lasting: bool = False) -> Permit:
+    def ask(self, name: str, *, lasting: bool = False) -> Permit:
         """Ask for a permit, within the undertaking in progress.
 
         Args:
             name: what can move the arm.
-            asked: the permit of the moment in which the program asked for it; None for now.
             lasting: whether it is an undertaking: a pause does not end it.
 
         Raises:
             RobotStateError: the robot is closed, or is being closed.
             HeartbeatLost: the heartbeat does not beat, or the program hung.
-            TaskStopped: the undertaking, or that permit, has ended.
+            TaskStopped: the undertaking has ended.
         """
-        within = [permit for owner, permit in _undertakings.get() if owner is self][-1:]
-        if asked is not None:
-            within.append(asked)
-        return self.gate.ask(name, boot_time(), within, lasting=lasting)
+        return self.gate.ask(name, boot_time(), self._outer(), lasting=lasting)
+
+    def _outer(self) -> Permit | None:
+        """The permit of the innermost undertaking in progress."""
+        within = [permit for owner, permit in _undertakings.get() if owner is self]
+        return within[-1] if within else None
 
     async def after_stops(self, permit: Permit) -> None:
         """Wait until no stop is being confirmed.
@@ -101,16 +108,17 @@ class Permits:
         return self.within(self.ask(name, lasting=True))
 
     def from_now(self, name: str) -> contextlib.AbstractContextManager[None]:
-        """Let what the block hands over to the robot's loop count as asked for now; any thread.
+        """Let what a block asks for count as asked for now; any thread.
 
-        A stop or a pause that comes before the loop has begun it ends it. It is refused when the
-        loop asks, and not here: most of it moves nothing.
+        A stop or a pause that comes before the block has asked ends it. It is refused when the
+        block asks, and not here.
 
         Args:
-            name: what is handed over, for messages.
+            name: what the block asks for, for messages.
         """
-        if any(owner is self for owner, _ in _undertakings.get()):
-            return contextlib.nullcontext()  # its permit is older
+        outer = self._outer()
+        if outer is not None and self.gate.ending(outer) is not None:
+            return self.within(outer)
         return self.within(self.gate.present(name))
 
     @contextlib.contextmanager
@@ -121,3 +129,36 @@ class Permits:
             yield
         finally:
             _undertakings.reset(token)
+
+
+def asked_at_call(
+    function: Callable[P, Coroutine[Any, Any, T]],
+) -> Callable[P, Coroutine[Any, Any, T]]:
+    """Let a coroutine function count as asked for when it is called, not when a loop begins it.
+
+    Between the two a stop may come: of the code that made a task of it, or, if another thread
+    handed it over, while the loop is busy.
+
+    Args:
+        function: a method of an object with `_permits`, or a function whose first argument,
+            `robot`, is one.
+    """
+
+    @functools.wraps(function)
+    def called(*args: P.args, **kwargs: P.kwargs) -> Coroutine[Any, Any, T]:
+        owner = args[0] if args else kwargs.get("robot")
+        permits: Permits | None = getattr(owner, "_permits", None)
+        if permits is None:
+            return function(*args, **kwargs)  # which says what is wrong
+        moment = permits.from_now(function.__name__)
+
+        async def begun() -> T:
+            with moment:
+                return await function(*args, **kwargs)
+
+        begun.__qualname__ = function.__qualname__  # Python's name of a coroutine never awaited
+        return begun()
+
+    if sys.version_info >= (3, 12):
+        inspect.markcoroutinefunction(called)
+    return called

@@ -18,6 +18,7 @@ from aioduco.errors import (
     TaskUnknown,
 )
 from aioduco.models.enums import Outcome, TaskState
+from aioduco.supervision.permits import asked_at_call
 from aioduco.supervision.task_state import TaskLifecycle, added_entries
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 
     from aioduco.errors import HeartbeatLost
     from aioduco.models.controller_clock import Clock
+    from aioduco.supervision.permits import Permits
     from aioduco.supervision.task_command import Command
     from aioduco.supervision.task_state import ContinuousMotion, JointEta
 
@@ -43,6 +45,8 @@ class TaskControl(Protocol):
     unfollowed_motion: bool
     #: whether the connections are closed, so that nothing can be sent any more
     closed: bool
+    #: permits to move the arm
+    permits: Permits
 
     @property
     def stops(self) -> int:
@@ -172,6 +176,10 @@ class Task(Uncopied):
     def __repr__(self) -> str:
         end = f" {self.outcome.value}" if self.outcome else ""
         return f"<Task {self.id} {self.name} {self.state.name}{end}>"
+
+    @property
+    def _permits(self) -> Permits:
+        return self._control.permits
 
     @property
     def state(self) -> TaskState:
@@ -343,6 +351,7 @@ class Task(Uncopied):
             self._control.check_loop("pause")
             await self._control.pause()
 
+    @asked_at_call
     async def resume(self) -> None:
         """Resume all paused tasks."""
         if not self.done:

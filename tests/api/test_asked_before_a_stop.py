@@ -6,9 +6,13 @@ read before it is sent. Then each of these reads hangs while the arm is stopped.
 
 from __future__ import annotations
 
+import asyncio
+import concurrent.futures
 import threading
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Coroutine
 from dataclasses import replace
+from functools import partial
+from types import SimpleNamespace
 from typing import Any
 
 import anyio
@@ -17,13 +21,17 @@ from client.bench import FLANGE, HOME, POSE
 from wire.lanes import noted
 
 import aioduco
-from aioduco import Joints, RealtimeMode, RealtimePoint, WorkerOptions
+from aioduco import Joints, JointTrajectory, RealtimeMode, RealtimePoint, WorkerOptions
+from aioduco.devices.teleoperation import teleoperate
 from aioduco.envelope import Envelope, Zone
+from aioduco.recording.playback import WaypointFile, run_waypoints
 from aioduco.streaming.stream import Stream
 from aioduco.supervision.command import MotionCommand
 from aioduco.testing import eventually_async
 from api.cases import Case, blocking_cases, cases
 from api.desk import HELD, Desk
+
+_Call = Callable[[aioduco.Robot], Coroutine[Any, Any, object]]
 
 #: what the robot asks for by itself, all the time
 _BY_ITSELF = {
@@ -130,8 +138,8 @@ async def test_what_reads_before_it_is_sent_is_not_sent_after_a_stop(case: Case)
         assert "was not sent" in str(error)
 
 
-async def into_realtime(robot: aioduco.Robot) -> None:
-    await robot.realtime.start_realtime_mode(RealtimeMode.JOINT_POSITION)
+def into_realtime(robot: aioduco.Robot) -> Coroutine[Any, Any, None]:
+    return robot.realtime.start_realtime_mode(RealtimeMode.JOINT_POSITION)
 
 
 async def into_track(robot: aioduco.Robot) -> None:
@@ -155,7 +163,7 @@ async def refused_by_a_stop(
 
 FED: dict[
     str,
-    tuple[Callable[[aioduco.Robot], Awaitable[None]], Callable[[aioduco.Robot], Awaitable[object]]],
+    tuple[Callable[[aioduco.Robot], Awaitable[None]], _Call],
 ] = {
     "realtime_data_enqueue": (
         into_realtime,
@@ -204,3 +212,82 @@ async def test_a_stream_whose_envelope_is_read_while_the_arm_is_stopped_is_not_o
         read = desk.hold("get_tcp_offset", [0.0] * 6)
         stream = STREAMS[kind](robot)
         await refused_by_a_stop(desk, robot, stream.__aenter__, read)
+
+
+# -- called before a stop, begun after it ----------------------------------------------------------
+
+
+def _line() -> JointTrajectory:
+    return JointTrajectory([Joints(*HOME), Joints(*HOME)], [0.0, 1.0])
+
+
+def _taught() -> WaypointFile:
+    waypoints = WaypointFile.new(arm="GCR5 910")
+    waypoints.add("home", HOME)
+    return waypoints
+
+
+def _blocking(case: Case, robot: aioduco.Robot) -> Coroutine[Any, Any, object]:
+    called: Coroutine[Any, Any, object] = case.method(robot)(**case.args)
+    return called
+
+
+CALLED: dict[str, _Call] = {
+    "start": lambda robot: robot.motion.movej2(HOME, v=1.0, a=1.0).start(),
+    "run": lambda robot: robot.motion.run(robot.motion.movej2(HOME, v=1.0, a=1.0)),
+    "follow_joint_trajectory": lambda robot: robot.motion.follow_joint_trajectory(
+        _line(), v=1.0, a=1.0
+    ),
+    "replay": lambda robot: robot.motion.replay("track 1", 50, 1),
+    "resume": lambda robot: robot.resume(),
+    "start_realtime_mode": into_realtime,
+    "realtime_data_enqueue": FED["realtime_data_enqueue"][1],
+    "teleoperate": lambda robot: teleoperate(robot, SimpleNamespace()),
+    "run_waypoints": lambda robot: run_waypoints(robot, _taught()),
+    **{f"blocking.{case.name}": partial(_blocking, case) for case in blocking_cases()},
+}
+
+
+@pytest.mark.cases(8)
+@pytest.mark.parametrize("name", CALLED)
+async def test_what_was_called_before_a_stop_and_begins_after_it_is_not_sent(
+    desk: Desk, name: str
+) -> None:
+    async with aioduco.connect(desk.host, desk.port) as robot:
+        begun = asyncio.ensure_future(CALLED[name](robot))
+        robot.stop_now()  # the task has not run once
+        sent = len(desk.received())
+        with pytest.raises(aioduco.TaskStopped, match="was not sent"):
+            await begun
+        assert {call.method for call in desk.received()[sent:]} <= _BY_ITSELF | {"stop"}
+
+
+async def test_a_stop_ends_what_another_thread_has_handed_over(
+    desk: Desk, robot: aioduco.Robot
+) -> None:
+    loop = asyncio.get_running_loop()
+    handed_over: list[concurrent.futures.Future[object]] = []
+
+    def hand_over() -> None:
+        handed_over.append(asyncio.run_coroutine_threadsafe(CALLED["start"](robot), loop))
+        robot.stop_now()
+
+    thread = threading.Thread(target=hand_over)
+    thread.start()
+    thread.join()  # the event loop cannot run meanwhile
+    with pytest.raises(aioduco.TaskStopped, match="was not sent"):
+        await asyncio.wrap_future(handed_over[0])
+    assert not desk.received("movej2")
+
+
+async def test_a_pause_ends_what_an_undertaking_has_called_and_not_begun(
+    desk: Desk, robot: aioduco.Robot
+) -> None:
+    desk.moves("movej2")
+    with robot.permit("two motions"):
+        begun = asyncio.ensure_future(CALLED["start"](robot))
+        await robot.pause()
+        with pytest.raises(aioduco.TaskStopped, match="was not sent"):
+            await begun
+        assert not desk.received("movej2")
+        await CALLED["run"](robot)  # called after it

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import concurrent.futures
 import signal
 import sys
 import threading
@@ -72,41 +71,6 @@ async def test_stop_now_from_another_thread_while_the_loop_hangs(
     assert bench.commands[-1] == "stop"
     with pytest.raises(aioduco.TaskStopped):
         await task
-
-
-async def test_a_stop_ends_a_motion_that_its_task_has_not_begun(
-    robot: aioduco.Robot, bench: Bench
-) -> None:
-    started = asyncio.ensure_future(robot.motion.movej2(HOME, v=1.0, a=1.0).start())
-    robot.stop_now()  # the task has not run once
-    with pytest.raises(aioduco.TaskStopped, match="was not sent"):
-        await started
-    with robot.permit("two motions"):  # its permit is no older, and a pause does not end it
-        started = asyncio.ensure_future(robot.motion.movej2(HOME, v=1.0, a=1.0).start())
-        await robot.pause()
-        with pytest.raises(aioduco.TaskStopped, match="was not sent"):
-            await started
-    assert not bench.received("movej2")
-    await robot.motion.movej2(HOME, v=1.0, a=1.0)  # asked for after it
-
-
-async def test_a_stop_ends_a_motion_that_another_thread_handed_over(
-    robot: aioduco.Robot, bench: Bench
-) -> None:
-    loop = asyncio.get_running_loop()
-    handed_over: list[concurrent.futures.Future[aioduco.Task]] = []
-
-    def hand_over() -> None:
-        motion = robot.motion.movej2(HOME, v=1.0, a=1.0)
-        handed_over.append(asyncio.run_coroutine_threadsafe(motion.start(), loop))
-        robot.stop_now()
-
-    thread = threading.Thread(target=hand_over)
-    thread.start()
-    thread.join()  # the event loop cannot run meanwhile
-    with pytest.raises(aioduco.TaskStopped, match="was not sent"):
-        await asyncio.wrap_future(handed_over[0])
-    assert not bench.received("movej2")
 
 
 async def test_stop_now_from_a_signal_handler(robot: aioduco.Robot, bench: Bench) -> None:

@@ -161,10 +161,10 @@ def test_a_pause_ends_what_was_not_sent_and_no_undertaking() -> None:
         pass
     with pytest.raises(TaskStopped, match="the arm was paused"):
         gate.check(motion, 0.2)
-    gate.check(gate.ask("movej2", 0.2, within=[block]), 0.2)
+    gate.check(gate.ask("movej2", 0.2, within=block), 0.2)
     gate.end(PermitEnding.STOPPED)
     with pytest.raises(TaskStopped, match="the arm was stopped"):
-        gate.ask("movej2", 0.3, within=[block])
+        gate.ask("movej2", 0.3, within=block)
 
 
 def test_a_closed_gate_gives_no_permit() -> None:

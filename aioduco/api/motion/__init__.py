@@ -24,6 +24,7 @@ from aioduco.streaming.joint_trajectory import JointTrajectory, Tolerances
 from aioduco.streaming.shared.options import Feeding, checked
 from aioduco.supervision.command import MotionCommand, check_motions
 from aioduco.supervision.motion_path import MotionPath
+from aioduco.supervision.permits import asked_at_call
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -97,6 +98,7 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
         num_ = ranges.BLEND_AHEAD_MOVES("num", num)
         await self._finish(calls.set_blend_ahead(per_, num_))
 
+    @asked_at_call
     async def run(self, *motions: MotionCommand, ahead: int = 3) -> tuple[Outcome, ...]:
         """Send motions one after another, ahead of the arm, and wait for all of them.
 
@@ -158,6 +160,7 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
         supervisor = self._supervisor
         return MotionPath(_AHEAD("ahead", ahead), supervisor.permits, supervisor.dispatcher)
 
+    @asked_at_call
     async def follow_joint_trajectory(
         self,
         trajectory: JointTrajectory,
@@ -237,6 +240,7 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
                 options=options,
             )
 
+    @asked_at_call
     async def execute(
         self,
         plan: PlannedMotion,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from aioduco._wire.rpc import calls
 from aioduco.api.section import Section
 from aioduco.models import ranges
+from aioduco.supervision.permits import asked_at_call
 
 if TYPE_CHECKING:
     from aioduco.models.jog import JogFrame
@@ -159,6 +160,7 @@ class Teaching(Section):
         """
         await self._accept(calls.stop_record_track())
 
+    @asked_at_call
     async def replay(self, name: str, v: int, mode: int) -> None:
         """Run a track that was recorded (轨迹复现), and wait until it has ended.
 

@@ -10,6 +10,7 @@ from aioduco.devices.teleoperation.reading import STANDING, Reading
 from aioduco.devices.teleoperation.scale import TeleopScale
 from aioduco.errors import ParameterError
 from aioduco.models.ranges import JOINT_SPEED
+from aioduco.supervision.permits import asked_at_call
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -39,6 +40,7 @@ class TeleopReport(NamedTuple):
     stream: StreamStatistics
 
 
+@asked_at_call
 async def teleoperate(
     robot: Robot,
     device: ReadingSource,

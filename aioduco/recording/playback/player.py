@@ -36,6 +36,7 @@ from aioduco.recording.playback.path_check import (
 from aioduco.recording.playback.recorded_path import RecordedPath
 from aioduco.recording.playback.waypoints import WaypointFile
 from aioduco.streaming.joint_trajectory import Tolerances
+from aioduco.supervision.permits import asked_at_call
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Sequence
@@ -58,6 +59,7 @@ _LEAST = 0.5  # least acceleration limit of a stream [rad/s²]
 _TOLERANCES = Tolerances(path=0.05, goal=0.005)
 
 
+@asked_at_call
 async def play(
     robot: Robot,
     path: RecordedPath,
@@ -265,6 +267,7 @@ async def _outputs(
 # -- waypoints -----------------------------------------------------------------------------------
 
 
+@asked_at_call
 async def run_waypoints(
     robot: Robot, waypoints: WaypointFile, *, arm: Arm | str | None = None, speed: float = 1.0
 ) -> int:
