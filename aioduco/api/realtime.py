@@ -125,12 +125,12 @@ class Realtime(Section, RealtimeStreams):
         joints = [p.values for p in given if p.mode is RealtimeMode.JOINT_POSITION]
         moves = _ENDING in self._supervisor.stop_coordinator.modes
         call = calls.realtime_data_enqueue([point.wire() for point in given], True)
-        with self._supervisor.asked_for(call.name):
-            await self._supervisor.envelope.admit(call.name, joints, moves=moves)
-            answer = await self._feed(call, _ENDING)
-            if answer == -1:
-                raise Refused(call.name, answer, "the realtime queue has no room for the points")
-            check_finished(call.name, answer)
+        self._supervisor.check_permitted(call.name)
+        await self._supervisor.envelope.admit(call.name, joints, moves=moves)
+        answer = await self._feed(call, _ENDING)
+        if answer == -1:
+            raise Refused(call.name, answer, "the realtime queue has no room for the points")
+        check_finished(call.name, answer)
 
     async def clear_realtime_data_queue(self) -> None:
         """Empty the queue (清空实时数据队列).

@@ -197,9 +197,9 @@ class Section(Uncopied, ManualNames):
             call: the call.
         """
         supervisor, command = self._supervisor, Command(call.name, call.args)
-        with supervisor.asked_for(call.name):
-            before = await self._follower.error_list()
-            answer = await supervisor.dispatcher.conduct(command, supervisor.blocking, None)
+        supervisor.check_permitted(call.name)
+        before = await self._follower.error_list()
+        answer = await supervisor.dispatcher.conduct(command, supervisor.blocking, None)
         if answer > max(TaskState):
             # Not an end state, so it is the id of a task. The task is followed like any other.
             await supervisor.dispatcher.adopt(command, answer, before)
@@ -222,9 +222,9 @@ class Section(Uncopied, ManualNames):
                 "one that ends by itself: a velocity for a time, or a jog with a step. "
                 f"robot.motion.{command.name} makes one that a command ends",
             )
-        with supervisor.asked_for(command.name):
-            before = await self._follower.error_list()
-            state = await motion.block(supervisor.blocking)
+        supervisor.check_permitted(command.name)
+        before = await self._follower.error_list()
+        state = await motion.block(supervisor.blocking)
         if state is not TaskState.INTERRUPT or not command.blends:
             await self._check(command.name, state, before)
         return state
@@ -239,9 +239,9 @@ class Section(Uncopied, ManualNames):
         """
         supervisor, command = self._supervisor, Command(call.name, call.args)
         lane, timeout = supervisor.calls, supervisor.settings.call_timeout
-        with supervisor.asked_for(call.name):
-            before = await self._follower.error_list()
-            answer = await supervisor.dispatcher.conduct(command, lane, timeout, (ending, args))
+        supervisor.check_permitted(call.name)
+        before = await self._follower.error_list()
+        answer = await supervisor.dispatcher.conduct(command, lane, timeout, (ending, args))
         await self._check(call.name, answer, before)
 
     async def _feed(self, call: WireCall[int], ending: str) -> int:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import nullcontext
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from aioduco._process.platform import boot_time
@@ -209,15 +208,12 @@ class Track(Section, TrackStreams):
     async def _put(
         self, kind: _Kind | None, call: WireCall[int], joints: Sequence[Sequence[float]] = ()
     ) -> None:
-        """Put points into the pool; if the arm follows it, they move the arm."""
-        asked = self._supervisor.asked_for(call.name) if self._followed else nullcontext()
-        with asked:
-            await self._put_checked(kind, call, joints)
+        """Put points into the pool, after a check against the envelope.
 
-    async def _put_checked(
-        self, kind: _Kind | None, call: WireCall[int], joints: Sequence[Sequence[float]]
-    ) -> None:
-        """Put points into the pool, by a call of the wire, after a check against the envelope."""
+        If the arm follows the pool, they move the arm.
+        """
+        if self._followed:
+            self._supervisor.check_permitted(call.name)
         await self._modes.leave_overdue(call.name)
         held = self._kind
         if kind is not None and held is not None and held is not kind:

@@ -26,8 +26,8 @@ class StreamEndpoint:
         stop: stops the robot on another connection, for a worker that cannot do it any more; its
             argument is the function of the wire that ends the stream's mode, or "".
         streams: the open streams of the robot, at most one.
-        asked: asks at once for what its block awaits before the stream begins: a stop that comes
-            meanwhile ends it, too. Its argument is the stream's name.
+        asked: lets what its block awaits before the stream begins count as asked for now, or raises
+            if the stream may not begin; its argument is the stream's name.
         admit: returns the permit of a stream, or raises if the robot cannot accept one now; its
             argument is the stream's name.
         gate: decides until when the permit is valid; None: there is no robot that ends it.
@@ -59,6 +59,10 @@ class StreamEndpoint:
         """The endpoint for the robot of a supervisor."""
         coordinator = supervisor.stop_coordinator
 
+        def asked(name: str) -> AbstractContextManager[None]:
+            supervisor.check_permitted(name)
+            return supervisor.permits.from_now(name)
+
         async def envelope(sent: StreamSpec) -> CheckedEnvelope | None:
             return await supervisor.envelope.of_stream(
                 sent.name, sent.tool, sent.wobj, speeds=sent.meaning == "speed"
@@ -69,7 +73,7 @@ class StreamEndpoint:
             supervisor.port,
             stop=coordinator.stop_stream,
             streams=coordinator.streams,
-            asked=supervisor.asked_for,
+            asked=asked,
             admit=supervisor.dispatcher.admit_stream,
             gate=coordinator.gate,
             modes=coordinator.modes,

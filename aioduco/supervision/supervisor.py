@@ -64,7 +64,6 @@ from aioduco.supervision.stop_coordinator import StopCoordinator
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterator
-    from contextlib import AbstractContextManager
 
     from aioduco._wire.lane import LaneStatistics
     from aioduco._wire.rpc import AsyncRpc
@@ -274,6 +273,16 @@ class Supervisor:
         self.check_usable(name)
         self.owner_loop.require(name)
 
+    def check_permitted(self, name: str) -> None:
+        """Check that a function that can move the arm may be sent, before anything is read for it.
+
+        Raises:
+            RobotStateError, HeartbeatLost, TaskStopped, WrongLoop, WrongProcess: it may not; `name`
+                was not sent.
+        """
+        self.check_open(name)
+        self.permits.ask(name)
+
     def check_usable(self, name: str) -> None:
         """Check that the robot is open; from any thread.
 
@@ -324,18 +333,6 @@ class Supervisor:
             lane.observers = [*lane.observers, calls]
         follower.observers = [*follower.observers, tasks]
         return end
-
-    def asked_for(self, name: str) -> AbstractContextManager[None]:
-        """Ask now for what the block sends: a stop that comes while it still reads ends it, too.
-
-        Args:
-            name: the function that can move the arm, or the stream.
-
-        Raises:
-            RobotStateError, HeartbeatLost, TaskStopped: it is not permitted; nothing was sent.
-        """
-        self.check_open(name)
-        return self.permits.within(self.permits.ask(name))
 
     def statistics(self) -> SupervisorStatistics:
         """Return statistics since the robot was opened."""
