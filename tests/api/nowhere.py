@@ -52,6 +52,9 @@ class _Permits:
     def within(self, _permit: None) -> nullcontext[None]:
         return nullcontext()
 
+    def from_now(self, _name: str) -> nullcontext[None]:
+        return nullcontext()
+
 
 def robot_on(answer: Answer) -> aioduco.Robot:
     """A robot whose sections call this function; supervision is left out."""
