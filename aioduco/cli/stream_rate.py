@@ -12,7 +12,7 @@ import anyio
 from aioduco._process.platform import processors
 from aioduco.models import ranges
 from aioduco.streaming.endpoint import StreamEndpoint
-from aioduco.streaming.report import times_table
+from aioduco.streaming.report import StreamStatistics, times_table
 from aioduco.streaming.shared.config import StreamSpec
 from aioduco.streaming.shared.options import Feeding, WorkerOptions
 from aioduco.streaming.shared.space import Limits
@@ -21,7 +21,6 @@ from aioduco.streaming.stream import Stream
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from aioduco.streaming.report import StreamStatistics
     from aioduco.streaming.shared.histogram import Percentiles
 
 

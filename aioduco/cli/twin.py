@@ -13,7 +13,7 @@ import anyio
 import typer
 
 from aioduco.cli import extras
-from aioduco.cli.addresses import Host, Port, robot_at
+from aioduco.cli.addresses import Host, Port, RobotAddress, robot_at
 from aioduco.cli.exit_codes import SIGNALLED, ended_by_errors, fail
 from aioduco.cli.number_lists import mounting_option
 from aioduco.cli.options import (
@@ -30,7 +30,6 @@ from aioduco.models.host_port import host_port
 from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:
-    from aioduco.cli.addresses import RobotAddress
     from aioduco.integrations.panel import Panel
     from aioduco.models.pose import Pose
     from aioduco.sim.twin import Twin, TwinLimits

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from aioduco.planning.spaces import JointPathSpace
+from aioduco.planning.spaces import JointPathSpace, PathSpace
 from aioduco.planning.spline import BSpline
 
 if TYPE_CHECKING:
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco.planning.collision import CollisionChecker
-    from aioduco.planning.spaces import PathSpace
 
     Points = NDArray[np.float64]
 

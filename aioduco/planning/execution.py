@@ -10,14 +10,13 @@ import numpy as np
 
 from aioduco.errors import FirstPointTooFar, ParameterError, PlanObstructed
 from aioduco.models.ranges import JOINT_SPEED
-from aioduco.planning.scene import require_scene
+from aioduco.planning.scene import Scene, require_scene
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Sequence
 
     from aioduco.planning.plan import Plan, PlanCheck
     from aioduco.planning.planner import Planner
-    from aioduco.planning.scene import Scene
     from aioduco.streaming.joint_trajectory import (
         Feedback,
         JointTrajectory,

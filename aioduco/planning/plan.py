@@ -9,20 +9,17 @@ import numpy as np
 
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.ranges import FINITE, WAIT
-from aioduco.planning.clearance import TOUCHING
-from aioduco.planning.scene import require_scene
-from aioduco.streaming.joint_trajectory import JointTrajectory
+from aioduco.planning.clearance import TOUCHING, Clearance
+from aioduco.planning.scene import Scene, require_scene
+from aioduco.streaming.joint_trajectory import JointTrajectory, TrajectoryResult
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco.kinematics import Arm
-    from aioduco.planning.clearance import Clearance
     from aioduco.planning.motion_limits import MotionLimits
     from aioduco.planning.problem import PlanningProblem, Solution
-    from aioduco.planning.scene import Scene
     from aioduco.sim.view.camera import Camera
-    from aioduco.streaming.joint_trajectory import TrajectoryResult
     from aioduco.streaming.sampling import Spline
 
     Points = NDArray[np.float64]

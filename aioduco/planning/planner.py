@@ -16,7 +16,7 @@ from aioduco._process.linked_process import LinkedProcess
 from aioduco._process.spawn import Unstartable
 from aioduco.errors import MissingExtra, NoPathFound, ParameterError, PlanningError
 from aioduco.models.bounds import clipped
-from aioduco.models.pose import Joints, Pose
+from aioduco.models.pose import Joints, JointsLike, Pose, PoseLike
 from aioduco.models.ranges import POSE
 from aioduco.models.rules import Integer, Number
 from aioduco.planning.motion_limits import MotionLimits
@@ -27,7 +27,6 @@ from aioduco.planning.toolpath import poses_along
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from aioduco.models.pose import JointsLike, PoseLike
     from aioduco.planning.scene import Scene
 
     PerJoint = float | Sequence[float]

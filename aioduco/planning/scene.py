@@ -6,31 +6,27 @@ import copy
 import dataclasses
 import itertools
 import threading
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from aioduco.errors import MissingExtra, ParameterError, SceneError
 from aioduco.kinematics.catalogue import arm_given
-from aioduco.models.pose import Joints, Pose
+from aioduco.models.pose import Joints, JointsLike, Pose, PoseLike
 from aioduco.models.ranges import JOINTS
 from aioduco.models.rules import Number
-from aioduco.planning.clearance import TOUCHING
+from aioduco.planning.clearance import TOUCHING, Clearance
 from aioduco.planning.problem import WorkerScene
-from aioduco.sim.scene import Thing, mjcf_of, mounting_of
+from aioduco.sim.scene import MountingLike, SceneLike, Thing, mjcf_of, mounting_of
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
 
     from aioduco.kinematics import Arm
-    from aioduco.models.pose import JointsLike, PoseLike
-    from aioduco.planning.clearance import Clearance
     from aioduco.planning.collision import CollisionChecker
-    from aioduco.sim.scene import MountingLike, SceneLike
     from aioduco.sim.simulator import Simulator
     from aioduco.sim.view.camera import Camera
 

@@ -19,7 +19,7 @@ from aioduco.kinematics.single import nearest_turns
 from aioduco.models.bounds import clipped
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.rotation import matrix_from_rpy, transform
-from aioduco.planning.clearance import TOUCHING
+from aioduco.planning.clearance import TOUCHING, Clearance
 from aioduco.planning.curve import is_free, joint_curve, rounded
 from aioduco.planning.problem import Goal, PlanningProblem, Region, Solution
 from aioduco.planning.retreat import retreat
@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco.kinematics import Arm
-    from aioduco.planning.clearance import Clearance
     from aioduco.planning.collision import CollisionChecker
 
     Points = NDArray[np.float64]

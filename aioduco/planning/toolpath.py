@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from aioduco.errors import ParameterError, Unreachable
-from aioduco.sim.planner.curves import Orientation, StraightLine, arc_through
+from aioduco.sim.planner.curves import Curve, Orientation, StraightLine, arc_through
 from aioduco.sim.planner.path import PlanError
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco.kinematics import Arm
-    from aioduco.sim.planner.curves import Curve
 
     Points = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import logging
 import time
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, Self
 
 import anyio
 
@@ -22,7 +22,7 @@ from aioduco.errors import DucoError, RecordingError, RobotStateError, StreamClo
 from aioduco.models.host_port import host_port
 from aioduco.models.ranges import FILE
 from aioduco.models.samples import pose
-from aioduco.models.trace import CallFinished
+from aioduco.models.trace import CallFinished, TraceEvent
 from aioduco.recording.moving_gaps import MAX_GAP, MovingGaps
 from aioduco.recording.writer import MessageWriter, RecordingWriter
 from aioduco.streaming.session import Session
@@ -32,9 +32,7 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Callable
     from pathlib import Path
-    from typing import Self
 
-    from aioduco.models.trace import TraceEvent
     from aioduco.supervision.supervisor import Supervisor
     from aioduco.supervision.task import Task
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from aioduco.errors import MissingExtra, ParameterError, RecordingError
 from aioduco.models.ranges import FILE, FOLDER
-from aioduco.recording.container import McapFile
+from aioduco.recording.container import McapFile, McapMessage
 from aioduco.recording.protobuf import DECODERS
 
 if TYPE_CHECKING:
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from numpy.typing import NDArray
-
-    from aioduco.recording.container import McapMessage
 
 
 #: longest message of JSON [bytes]; its values take many times as much

@@ -5,11 +5,10 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import TYPE_CHECKING
 
-from aioduco.models.pose import Pose
+from aioduco.models.pose import Pose, PoseLike
 from aioduco.models.rules import Number
 
 if TYPE_CHECKING:
-    from aioduco.models.pose import PoseLike
     from aioduco.sim.assembly import SimulatorAssembly
     from aioduco.sim.physics.gripper import Hand
     from aioduco.sim.physics.parts import PartPlace

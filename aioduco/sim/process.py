@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 from aioduco._process.closing import Startable
 from aioduco._process.linked_process import LinkedProcess
@@ -14,7 +14,6 @@ from aioduco.sim.spawn_options import packed
 
 if TYPE_CHECKING:
     import subprocess
-    from typing import Self
 
     import numpy as np
     from numpy.typing import NDArray

@@ -10,7 +10,7 @@ import math
 import os
 import re
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, Self
 
 from aioduco.errors import ParameterError
 from aioduco.kinematics import DhCorrections
@@ -22,7 +22,6 @@ from aioduco.models.toml_lines import line_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-    from typing import Self
 
     from aioduco.kinematics import Arm
 

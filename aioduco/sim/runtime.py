@@ -22,11 +22,11 @@ import time
 from typing import TYPE_CHECKING
 
 from aioduco.errors import ParameterError
-from aioduco.models.enums import RobotState
+from aioduco.models.enums import RobotState, TaskState
 from aioduco.models.rules import condition_holds
 from aioduco.sim.batches import Batches
 from aioduco.sim.clock import CycleSchedule, LoopStatistics, LoopTimes, checked_speed
-from aioduco.sim.cycle import DriveCommand, SensedState
+from aioduco.sim.cycle import DriveCommand, Plant, SensedState
 from aioduco.sim.physics.temperature import Temperatures
 from aioduco.sim.planner.path import JointSetPoint
 from aioduco.sim.planning import PlanningThreads
@@ -37,11 +37,9 @@ from aioduco.sim.snapshot import SimulationSnapshot
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
-    from aioduco.models.enums import TaskState
     from aioduco.models.pose import PoseLike
     from aioduco.models.rotation import Array
     from aioduco.sim.controller.state_machine import Controller
-    from aioduco.sim.cycle import Plant
 
     #: called with the state after a cycle, and with a function that describes the arm's contacts
     Observer = Callable[[SimulationSnapshot, Callable[[], str]], None]

@@ -7,9 +7,9 @@ import contextlib
 import inspect
 import math
 import threading
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, cast
+from typing import TYPE_CHECKING, Any, Final, Self, cast
 
 import anyio
 import anyio.to_thread
@@ -21,7 +21,7 @@ from aioduco.kinematics import Arm
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.gripper_models import gripper_model
 from aioduco.models.host_port import host_port
-from aioduco.models.pose import Joints, Pose
+from aioduco.models.pose import Joints, JointsLike, Pose, PoseLike
 from aioduco.models.ranges import FLAG, JOINTS, LISTEN_HOST, LISTEN_PORT, OWN_NAME, WAIT
 from aioduco.models.rules import Integer, Number
 from aioduco.models.words import one_of
@@ -31,7 +31,7 @@ from aioduco.sim.assembly import SimulatorAssembly, SimulatorSettings
 from aioduco.sim.cabinet import Cabinet
 from aioduco.sim.cabinet.axis_schemes import SimulatedExternalAxes
 from aioduco.sim.cabinet.values import SystemValues
-from aioduco.sim.clock import checked_speed
+from aioduco.sim.clock import LoopStatistics, checked_speed
 from aioduco.sim.controller.signal_rules import SignalRule, SignalRules
 from aioduco.sim.forgiving import Forgiving
 from aioduco.sim.operator_actions import OperatorActions
@@ -39,27 +39,21 @@ from aioduco.sim.part_faults import PartFaults
 from aioduco.sim.physics.parts import pose_of
 from aioduco.sim.profile import ArmProfile
 from aioduco.sim.runtime import SimulatedClock
-from aioduco.sim.scene import mjcf_of, mounting_of
-from aioduco.sim.server.generations import GENERATIONS
+from aioduco.sim.scene import MountingLike, SceneLike, mjcf_of, mounting_of
+from aioduco.sim.server.generations import GENERATIONS, Generation
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
     from os import PathLike
-    from typing import Self
 
     from numpy.typing import NDArray
 
-    from aioduco.models.pose import JointsLike, PoseLike
     from aioduco.sim.cabinet.script import Script
     from aioduco.sim.cabinet.signals import Signals
     from aioduco.sim.cabinet.values import Value
-    from aioduco.sim.clock import LoopStatistics
     from aioduco.sim.controller.state_machine import ControllerState
     from aioduco.sim.controller.tasks import ControllerTask
     from aioduco.sim.process import SimulatorProcess
     from aioduco.sim.runtime import Observer
-    from aioduco.sim.scene import MountingLike, SceneLike
-    from aioduco.sim.server.generations import Generation
 
 #: time of one controller cycle [s]
 CYCLE = 0.001

@@ -6,12 +6,11 @@ As in `aioduco._process.trial`, there is a trial in the process of a preflight a
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from contextlib import nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from contextlib import AbstractContextManager
 
     from aioduco.kinematics import Arm
     from aioduco.models.pose import JointsLike

@@ -13,7 +13,7 @@ import aioduco
 from aioduco.errors import GoalInCollision, PlanningError, RenderError
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.whole_files import whole_file
-from aioduco.planning import Planner, Scene
+from aioduco.planning import Plan, Planner, Scene
 from aioduco.sim.scene import Box
 
 if TYPE_CHECKING:
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
     from aioduco.cli.safe_console import SafeConsole
     from aioduco.kinematics import Arm
-    from aioduco.planning import Plan
     from aioduco.robot import Robot
     from aioduco.sim.process import SimulatorProcess
 

@@ -22,7 +22,7 @@ from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.safe_console import SafeConsole
 from aioduco.cli.status import look, states_line
 from aioduco.errors import DucoError
-from aioduco.kinematics import forward
+from aioduco.kinematics import Arm, forward
 from aioduco.models.host_port import host_port
 
 if TYPE_CHECKING:
@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 
     from aioduco.cli.addresses import RobotAddress
     from aioduco.cli.demo.stage import Look
-    from aioduco.kinematics import Arm
     from aioduco.models.controller_clock import Clock
 
 

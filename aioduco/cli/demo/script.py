@@ -12,18 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 import anyio
 
-from aioduco.cli.demo.stage import PATIENCE
+from aioduco.cli.demo.stage import PATIENCE, Stage
 from aioduco.devices.grippers import DigitalGripper, gripper_model
 from aioduco.models.enums import Outcome
-from aioduco.models.pose import Joints
-from aioduco.sim.scene import Box, Table
+from aioduco.models.pose import Joints, Pose
+from aioduco.sim.scene import Box, Table, Thing
 
 if TYPE_CHECKING:
-    from aioduco.cli.demo.stage import Stage
     from aioduco.kinematics import Arm
-    from aioduco.models.pose import Pose
     from aioduco.robot import Robot
-    from aioduco.sim.scene import Thing
     from aioduco.supervision.command import MotionCommand
 
 

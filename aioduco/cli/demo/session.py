@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import anyio
 
-from aioduco.cli.demo.script import pick_and_place
+from aioduco.cli.demo.script import Choreography, pick_and_place
 from aioduco.cli.demo.stage import Stage
 from aioduco.cli.signals import receive_signals
 from aioduco.errors import DucoError
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from anyio.abc import TaskStatus
 
     from aioduco.cli.demo.report import Report
-    from aioduco.cli.demo.script import Choreography
     from aioduco.cli.demo.stage import Look
     from aioduco.cli.demo.view import View
     from aioduco.robot import Robot

@@ -6,7 +6,7 @@ import math
 import textwrap
 from typing import TYPE_CHECKING, Any, Final
 
-from rich.console import Group
+from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
@@ -15,8 +15,6 @@ from aioduco.models.enums import RobotState, SafetyState
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-
-    from rich.console import RenderableType
 
     from aioduco.cli.monitor.view_state import EventLine, MonitorState
     from aioduco.models.state import RobotStatus

@@ -19,14 +19,13 @@ from aioduco._process.copying import Uncopied
 from aioduco.devices.bus import frames
 from aioduco.errors import Described, ModbusGarbled, ModbusTimeout, ParameterError
 from aioduco.models import ranges
-from aioduco.models.rules import Integer, Signed
+from aioduco.models.rules import Integer, Signed, Whole, WholesLike
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
     from aioduco.api.bus import Bus
     from aioduco.devices.bus.frames import Request
-    from aioduco.models.rules import Whole, WholesLike
 
 
 _SOURCE = "Modbus application protocol 1.1b3"

@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Self
 
 import numpy as np
 
 from aioduco._process.copying import Uncopied
-from aioduco.devices.cameras.camera import CameraFrame
+from aioduco.devices.cameras.camera import CameraFrame, Intrinsics
 from aioduco.errors import CameraError, MissingExtra
 
 with MissingExtra.named("OpenCvCamera", "camera"):
     import cv2
-from aioduco.models.controller_clock import WallClock
+from aioduco.models.controller_clock import Clock, WallClock
 from aioduco.models.ranges import WAIT
-
-if TYPE_CHECKING:
-    from typing import Self
-
-    from aioduco.devices.cameras.camera import Intrinsics
-    from aioduco.models.controller_clock import Clock
 
 
 class OpenCvCamera(Uncopied):

@@ -6,15 +6,13 @@ A separate process renders its images, so that the controller's cycle does not w
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 from aioduco._process.copying import Uncopied
 from aioduco.devices.cameras.camera import CameraFrame, Intrinsics
 from aioduco.models.rules import Integer
 
 if TYPE_CHECKING:
-    from typing import Self
-
     import numpy as np
     from numpy.typing import NDArray
 

@@ -9,10 +9,9 @@ from aioduco._process import trial
 from aioduco.devices.grippers.gripper import GripperState, PolledGripper
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
-from aioduco.models.gripper_models import gripper_model
+from aioduco.models.gripper_models import GripperModel, gripper_model
 
 if TYPE_CHECKING:
-    from aioduco.models.gripper_models import GripperModel
     from aioduco.models.state import IOStatus
     from aioduco.robot import Robot
 

@@ -16,7 +16,7 @@ from __future__ import annotations
 import time
 from abc import ABC, abstractmethod
 from contextlib import asynccontextmanager
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, NamedTuple, Self
 
 import anyio
 
@@ -38,7 +38,6 @@ from aioduco.supervision.concurrency import BackgroundTasks, Silence, every
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
-    from typing import ClassVar, Self
 
 
 _log = BackgroundLogger(__name__)

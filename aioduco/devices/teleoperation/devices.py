@@ -8,19 +8,15 @@ import select
 import sys
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol, Self
+from typing import Protocol, Self
 
 from aioduco._process.copying import Uncopied
 from aioduco._process.platform import has_device_files, single_keys
 from aioduco.devices.teleoperation.gamepad import Gamepad
 from aioduco.devices.teleoperation.keyboard import Keyboard
-from aioduco.devices.teleoperation.reading import STANDING
+from aioduco.devices.teleoperation.reading import STANDING, Reading
 from aioduco.devices.teleoperation.spacemouse import SpaceMouse
 from aioduco.errors import ParameterError
-
-if TYPE_CHECKING:
-    from aioduco.devices.teleoperation.reading import Reading
-
 
 _MAKERS = {0x046D: "Logitech", 0x256F: "3Dconnexion"}  # SpaceMice have been sold by both
 _MOST = 4096

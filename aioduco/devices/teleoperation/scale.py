@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-from aioduco.devices.teleoperation.reading import STANDING, Axes
+from aioduco.devices.teleoperation.reading import STANDING, Axes, Reading
 from aioduco.models import ranges
-
-if TYPE_CHECKING:
-    from aioduco.devices.teleoperation.reading import Reading
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,7 +6,7 @@ import time
 from contextlib import suppress
 from typing import TYPE_CHECKING, NamedTuple
 
-from aioduco.devices.teleoperation.reading import STANDING, Reading
+from aioduco.devices.teleoperation.reading import STANDING, Reading, ReadingSource
 from aioduco.devices.teleoperation.scale import TeleopScale
 from aioduco.errors import ParameterError
 from aioduco.models.ranges import JOINT_SPEED
@@ -15,7 +15,6 @@ from aioduco.supervision.permits import asked_at_call
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from aioduco.devices.teleoperation.reading import ReadingSource
     from aioduco.robot import Robot
     from aioduco.streaming.report import StreamStatistics
     from aioduco.streaming.shared.options import WorkerOptions

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Self
 
 import anyio
 
@@ -16,14 +16,11 @@ from aioduco.integrations.fleet.reports import (
     StopReport,
     StopRequest,
 )
-from aioduco.integrations.fleet.settings import settings_given
+from aioduco.integrations.fleet.settings import FleetSettings, settings_given
 from aioduco.models.ranges import TIMEOUT
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
-    from typing import Self
-
-    from aioduco.integrations.fleet.settings import FleetSettings
 
 
 #: seconds to wait for gateways, if the settings expect none

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from contextlib import suppress
 from functools import partial
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Self
 
 import anyio
 import anyio.abc
@@ -19,14 +19,12 @@ from aioduco.integrations.fleet.link import FleetLink
 from aioduco.integrations.fleet.proof import read_keys
 from aioduco.integrations.fleet.reports import ArmReport
 from aioduco.integrations.fleet.settings import FleetFileError, settings_given
-from aioduco.robot import connect, stop_all
+from aioduco.robot import Robot, connect, stop_all
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import Self
 
     from aioduco.integrations.fleet.settings import ArmSettings, FleetSettings
-    from aioduco.robot import Robot
 
 
 _log = BackgroundLogger(__name__)

@@ -9,7 +9,7 @@ import contextlib
 import json
 import re
 from functools import partial
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Self
 
 import anyio
 import anyio.from_thread
@@ -17,13 +17,10 @@ import anyio.from_thread
 from aioduco.errors import ConnectError, MissingExtra, RobotStateError
 from aioduco.integrations.fleet.proof import proof_of
 from aioduco.integrations.fleet.reports import LONGEST, alive_key, state_key, stop_key
-from aioduco.integrations.fleet.settings import FleetFileError
+from aioduco.integrations.fleet.settings import FleetFileError, FleetSettings
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
-    from typing import Self
-
-    from aioduco.integrations.fleet.settings import FleetSettings
 
 
 #: intervals of the attempts to connect to absent peers [ms]

@@ -14,7 +14,7 @@ import numpy as np
 
 import aioduco.sync
 from aioduco.errors import DucoError
-from aioduco.integrations.gym.tasks import TaskReading
+from aioduco.integrations.gym.tasks import ArmTask, TaskReading
 from aioduco.models.gripper_models import gripper_model
 from aioduco.sim.controller.state_machine import DEVIATION
 from aioduco.sim.physics.world import World
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from aioduco.integrations.gym.tasks import ArmTask
     from aioduco.kinematics import Arm
     from aioduco.sim.view.camera import Camera, PictureMark
 

@@ -10,9 +10,9 @@ from gymnasium import spaces
 
 from aioduco._process.copying import Uncopied
 from aioduco.errors import ParameterError, Unreachable
-from aioduco.integrations.gym.arms import ControllerArm, PhysicsArm
+from aioduco.integrations.gym.arms import ControllerArm, EpisodeArm, PhysicsArm
 from aioduco.integrations.gym.names import TASKS
-from aioduco.integrations.gym.tasks import task_of
+from aioduco.integrations.gym.tasks import TaskReading, task_of
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.numpy_on_use import number_array
 from aioduco.models.rotation import transform
@@ -23,9 +23,6 @@ from aioduco.sim.view.camera import Camera, PictureMark
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-    from aioduco.integrations.gym.arms import EpisodeArm
-    from aioduco.integrations.gym.tasks import TaskReading
 
     Vector = NDArray[np.float64]
 

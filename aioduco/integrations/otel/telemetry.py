@@ -5,29 +5,25 @@ from __future__ import annotations
 import contextlib
 import threading
 import time
-from collections.abc import Collection
+from collections.abc import AsyncIterator, Collection, Iterable
 from contextlib import asynccontextmanager
 from inspect import signature
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import anyio
 from opentelemetry import metrics, trace
-from opentelemetry.trace import SpanKind, StatusCode
+from opentelemetry.trace import Span, SpanKind, StatusCode, TracerProvider
 
 import aioduco
 from aioduco import ParameterError, Robot, RobotStateError, TaskState, events
 from aioduco._process.copying import Uncopied
-from aioduco.models.trace import CallFinished, ConnectionOpened, ProcedureFinished
+from aioduco.models.trace import CallFinished, ConnectionOpened, ProcedureFinished, TraceEvent
 from aioduco.models.words import one_of
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Iterable
-
     from opentelemetry.metrics import CallbackOptions, MeterProvider, Observation
-    from opentelemetry.trace import Span, TracerProvider
 
     from aioduco import StreamStatistics, Subscription
-    from aioduco.models.trace import TraceEvent
 
 
 _NAME: Final = "aioduco"

@@ -14,7 +14,7 @@ import numpy as np
 import viser
 from viser import transforms
 
-from aioduco.envelope import Zone
+from aioduco.envelope import Envelope, Zone
 from aioduco.integrations.panel.picture_door import portless
 from aioduco.kinematics.bodies import bodies
 from aioduco.kinematics.looks import COLOURS, looks, merged
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from websockets.asyncio.server import ServerConnection
 
-    from aioduco.envelope import Envelope
     from aioduco.kinematics import Arm
     from aioduco.planning import Scene
 

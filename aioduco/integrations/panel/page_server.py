@@ -22,10 +22,10 @@ from importlib import resources
 from typing import TYPE_CHECKING, Any, Final
 from urllib.parse import urlsplit
 
-from websockets.asyncio.server import broadcast, serve
+from websockets.asyncio.server import ServerConnection, broadcast, serve
 from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed
-from websockets.http11 import Response
+from websockets.http11 import Request, Response
 
 from aioduco.integrations.panel.page_connection import PageConnection, Waiting, origin_of
 from aioduco.integrations.panel.page_requests import LONGEST
@@ -35,8 +35,6 @@ from aioduco.models.ranges import LISTEN_PORT
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 
-    from websockets.asyncio.server import ServerConnection
-    from websockets.http11 import Request
     from websockets.typing import Subprotocol
 
 

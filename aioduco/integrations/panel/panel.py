@@ -16,7 +16,7 @@ import math
 import secrets
 import time
 from collections import deque
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Self
 from urllib.parse import quote
 
 import anyio
@@ -78,7 +78,6 @@ from aioduco.recording.playback.player import arm_named
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
-    from typing import Self
 
     from anyio.abc import TaskGroup
     from websockets.asyncio.server import ServerConnection

@@ -20,14 +20,13 @@ from aioduco import RobotState
 from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import DucoError, SetPointTooFar
 from aioduco.integrations.ros.streamed_commands import StreamedCommands
-from aioduco.integrations.ros.trajectory_goals import ErrorCode, GoalRefused
+from aioduco.integrations.ros.trajectory_goals import ErrorCode, GoalRefused, NamedLimits
 from aioduco.models.bounds import clipped, least, most, shown
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from aioduco import Robot, WorkerOptions
-    from aioduco.integrations.ros.trajectory_goals import NamedLimits
 
 
 _log = BackgroundLogger(__name__)

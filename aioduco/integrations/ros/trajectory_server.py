@@ -36,9 +36,13 @@ from aioduco.integrations.ros.path_parts import (
     whole_path,
 )
 from aioduco.integrations.ros.trajectory_goals import (
+    CheckedGoal,
     ErrorCode,
     GoalEnded,
     GoalRefused,
+    GoalRules,
+    NamedLimits,
+    TrajectoryGoal,
     check_goal,
     check_start,
     code_of,
@@ -51,12 +55,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco import JointTrajectory, Robot, SwitchPlace, Tolerances, WorkerOptions
-    from aioduco.integrations.ros.trajectory_goals import (
-        CheckedGoal,
-        GoalRules,
-        NamedLimits,
-        TrajectoryGoal,
-    )
 
 
 Through: TypeAlias = Literal["auto", "realtime", "servoj"]

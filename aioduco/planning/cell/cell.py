@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from contextlib import AsyncExitStack, asynccontextmanager
+from collections.abc import AsyncIterator, Iterator, Mapping
+from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
@@ -21,8 +21,6 @@ from aioduco.recording.playback.waypoints import WaypointFile
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import AsyncIterator, Iterator
-    from contextlib import AbstractAsyncContextManager
 
     from aioduco.envelope import Envelope, EnvelopeLimit
     from aioduco.planning.cell.grippers import CellGripper

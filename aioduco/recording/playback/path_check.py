@@ -12,7 +12,7 @@ from aioduco.envelope.checker import EnvelopeChecker
 from aioduco.models.bounds import outside, shown
 from aioduco.models.pose import Pose
 from aioduco.models.ranges import JOINT_SPEED
-from aioduco.recording.playback.recorded_path import SPEED_FACTOR
+from aioduco.recording.playback.recorded_path import SPEED_FACTOR, RecordedPath
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
     from aioduco.envelope import Envelope
     from aioduco.kinematics import Arm
-    from aioduco.recording.playback.recorded_path import RecordedPath
     from aioduco.recording.playback.waypoints import WaypointFile
 
 

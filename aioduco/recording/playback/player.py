@@ -33,9 +33,9 @@ from aioduco.recording.playback.path_check import (
     fastest,
     sharpest,
 )
-from aioduco.recording.playback.recorded_path import RecordedPath
-from aioduco.recording.playback.waypoints import WaypointFile
-from aioduco.streaming.joint_trajectory import Tolerances
+from aioduco.recording.playback.recorded_path import RecordedOutput, RecordedPath
+from aioduco.recording.playback.waypoints import Waypoint, WaypointFile
+from aioduco.streaming.joint_trajectory import Feedback, Tolerances, TrajectoryResult
 from aioduco.supervision.permits import asked_at_call
 
 if TYPE_CHECKING:
@@ -44,10 +44,7 @@ if TYPE_CHECKING:
     from aioduco.api.version import RobotType
     from aioduco.envelope import Envelope
     from aioduco.kinematics import Arm
-    from aioduco.recording.playback.recorded_path import RecordedOutput
-    from aioduco.recording.playback.waypoints import Waypoint
     from aioduco.robot import Robot
-    from aioduco.streaming.joint_trajectory import Feedback, TrajectoryResult
     from aioduco.streaming.shared.options import WorkerOptions
     from aioduco.supervision.command import MotionCommand
 

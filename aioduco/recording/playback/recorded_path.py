@@ -25,7 +25,7 @@ from aioduco.recording.playback.sample_times import (
     is_fresh,
     steady_times,
 )
-from aioduco.streaming.joint_trajectory import JointTrajectory
+from aioduco.streaming.joint_trajectory import JointTrajectory, TrajectoryResult
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco.recording import RecordedRun
-    from aioduco.streaming.joint_trajectory import TrajectoryResult
 
     Array = NDArray[np.float64]
 

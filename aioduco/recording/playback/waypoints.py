@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, get_args
 from aioduco.errors import WaypointFileError
 from aioduco.models import ranges
 from aioduco.models.bounds import least, most
-from aioduco.models.pose import Joints
+from aioduco.models.pose import Joints, JointsLike
 from aioduco.models.similar import did_you_mean
 from aioduco.models.toml_files import parse_toml, quoted, read_text, rewrite
 from aioduco.models.toml_lines import line_of
@@ -21,8 +21,6 @@ from aioduco.models.toml_lines import line_of
 if TYPE_CHECKING:
     import os
     from collections.abc import Callable, Collection
-
-    from aioduco.models.pose import JointsLike
 
 
 WaypointMotion = Literal["joints", "line"]

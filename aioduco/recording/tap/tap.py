@@ -6,7 +6,7 @@ import contextlib
 import ipaddress
 import socket
 import time
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 from aioduco._process.copying import Uncopied
 from aioduco._process.linked_process import LinkedProcess
@@ -21,7 +21,6 @@ from aioduco.recording.tap.relay import HEAD, CopyKind
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Self
 
 
 #: time-out for the relay to report its address [s]

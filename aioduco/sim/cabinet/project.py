@@ -8,12 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from aioduco.models.enums import FileKind
-from aioduco.sim.cabinet.script import checked, read
+from aioduco.sim.cabinet.script import Script, checked, read
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-
-    from aioduco.sim.cabinet.script import Script
 
 
 #: most points of a track, in either mode; the manual gives no number

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, TypeVar
 
@@ -11,8 +11,6 @@ from aioduco.errors import ParameterError
 from aioduco.models.numpy_on_use import is_array, is_number, is_scalar
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     Value = bool | float | str | Sequence[float] | Sequence[Sequence[float]]
 
 

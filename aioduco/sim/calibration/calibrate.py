@@ -11,7 +11,7 @@ from aioduco.kinematics import arm as arm_of
 from aioduco.kinematics import models
 from aioduco.sim.calibration.blends import estimate_blends
 from aioduco.sim.calibration.drives import estimate_drives, estimate_noise
-from aioduco.sim.calibration.evidence import read_evidence
+from aioduco.sim.calibration.evidence import Evidence, read_evidence
 from aioduco.sim.calibration.geometry import estimate_geometry
 from aioduco.sim.calibration.heartbeat import estimate_slack
 from aioduco.sim.calibration.times import estimate_period, estimate_times, single_precision
@@ -21,7 +21,6 @@ from aioduco.sim.profile import RANGES, ArmProfile
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from aioduco.sim.calibration.evidence import Evidence
     from aioduco.sim.calibration.findings import Findings
 
 

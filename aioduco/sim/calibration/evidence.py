@@ -15,15 +15,12 @@ import numpy as np
 from aioduco.errors import ParameterError, RecordingError
 from aioduco.models.enums import RobotState
 from aioduco.models.pose import Pose
-from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix, transform
-from aioduco.recording.run import read
+from aioduco.models.rotation import Array, matrix_from_rotvec, rotvec_from_matrix, transform
+from aioduco.recording.run import RecordedRun, read
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Iterator, Sequence
-
-    from aioduco.models.rotation import Array
-    from aioduco.recording.run import RecordedRun
 
 
 #: joints read before and after a pose may differ by this, else the arm moved [rad]

@@ -6,7 +6,7 @@ The intervals of the values are those of 95 %.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
@@ -14,7 +14,6 @@ from aioduco.sim.profile import Estimate
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
-    from typing import Self
 
 
 def deviations(free: float) -> float:

@@ -22,7 +22,7 @@ from aioduco.errors import CalibrationError
 from aioduco.kinematics import DhCorrections
 from aioduco.kinematics import arm as arm_of
 from aioduco.kinematics.forward import fkine, jacobian
-from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix, transform
+from aioduco.models.rotation import Array, matrix_from_rotvec, rotvec_from_matrix, transform
 from aioduco.sim.calibration.findings import Findings, deviations
 from aioduco.sim.profile import ANGLE_BOUND, GEOMETRY, LENGTH_BOUND, Estimate
 
@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco.kinematics import Arm
-    from aioduco.models.rotation import Array
     from aioduco.sim.calibration.evidence import Poses
 
     Flags: TypeAlias = NDArray[np.bool_]

@@ -5,14 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from aioduco.models.enums import TaskState
-from aioduco.sim.controller.tasks import MotionPhase
+from aioduco.sim.controller.tasks import MotionPhase, TaskTable
 from aioduco.sim.refusal import illegal
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from aioduco.sim.controller.motion_queue import MotionQueue
-    from aioduco.sim.controller.tasks import TaskTable
     from aioduco.sim.cycle import SensedState
     from aioduco.sim.force.control import ForceControl, ForceOutcome
     from aioduco.sim.force.sensor import ForceSensor

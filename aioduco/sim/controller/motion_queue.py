@@ -7,19 +7,16 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from aioduco.models.enums import TaskState
-from aioduco.sim.controller.tasks import MotionPhase
-from aioduco.sim.controller.triggers import Triggers
-from aioduco.sim.planner.path import PlanError
+from aioduco.sim.controller.tasks import MotionPhase, TaskTable
+from aioduco.sim.controller.triggers import MotionTriggers, Triggers
+from aioduco.sim.planner.path import JointSetPoint, PlanError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from aioduco.models.rotation import Array
-    from aioduco.sim.controller.tasks import TaskTable
-    from aioduco.sim.controller.triggers import MotionTriggers
     from aioduco.sim.planner.follower import FollowError, TargetFollower
     from aioduco.sim.planner.mover import Draft, Drafted, Mover
-    from aioduco.sim.planner.path import JointSetPoint
     from aioduco.sim.planner.segments import Segment
 
     #: makes the segment of one motion, given the joints [rad] from which it starts

@@ -8,15 +8,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Protocol
 
 from aioduco.models.enums import ProgramState, TaskState
-from aioduco.sim.cabinet.script import BLENDING, SLEEP, ProgramError, prepared
-from aioduco.sim.controller.tasks import MotionPhase
+from aioduco.sim.cabinet.script import BLENDING, SLEEP, Call, ProgramError, Script, prepared
+from aioduco.sim.controller.tasks import MotionPhase, TaskTable
 from aioduco.sim.refusal import Pending, Refusal
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
-
-    from aioduco.sim.cabinet.script import Call, Script
-    from aioduco.sim.controller.tasks import TaskTable
 
 
 # Looked up once, to save time in the cycle.

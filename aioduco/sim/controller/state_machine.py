@@ -23,20 +23,20 @@ import numpy as np
 from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState, TaskState
 from aioduco.sim.cabinet.axis_schemes import SimulatedExternalAxes
 from aioduco.sim.cabinet.signals import Signals
-from aioduco.sim.cabinet.tools import FrameTable
+from aioduco.sim.cabinet.tools import FrameTable, NamedFrame
 from aioduco.sim.controller.deferred import DeferredMotion, DeferredMotions
 from aioduco.sim.controller.force_tasks import ForceTasks
 from aioduco.sim.controller.monitoring import CollisionDetector, HeartbeatWatchdog, Standstill
 from aioduco.sim.controller.motion_queue import MotionQueue
 from aioduco.sim.controller.motion_settings import OptimizationSwitches, WeaveSelection
 from aioduco.sim.controller.power import PowerControl
-from aioduco.sim.controller.programs import ProgramExecution
+from aioduco.sim.controller.programs import ProgramExecution, RunningProgram
 from aioduco.sim.controller.recorder import Recorder
 from aioduco.sim.controller.safety import Admission, SafetyController
 from aioduco.sim.controller.signal_rules import SignalRules
 from aioduco.sim.controller.tasks import MotionPhase, TaskTable
 from aioduco.sim.cycle import DriveCommand, SensedState
-from aioduco.sim.planner.path import JointSetPoint
+from aioduco.sim.planner.path import JointSetPoint, PlanError
 from aioduco.sim.planner.realtime_follower import RealtimeQueue
 from aioduco.sim.planner.track_pool import TrackPool
 
@@ -44,14 +44,11 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from aioduco.models.rotation import Array
-    from aioduco.sim.cabinet.tools import NamedFrame
     from aioduco.sim.controller.motion_queue import Following, Plan, Planning
-    from aioduco.sim.controller.programs import RunningProgram
     from aioduco.sim.controller.triggers import MotionTriggers
     from aioduco.sim.force.control import ForceControl
     from aioduco.sim.force.sensor import ForceSensor
     from aioduco.sim.planner.mover import Drafted, Mover
-    from aioduco.sim.planner.path import PlanError
 
 
 #: distance of a joint from its set-point that trips the position deviation stop [rad]

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 import numpy as np
 
 from aioduco.kinematics.rates import ArmRates
-from aioduco.models.rotation import rpy_from_matrix
-from aioduco.sim.force.conditions import Conditions
+from aioduco.models.rotation import Array, rpy_from_matrix
+from aioduco.sim.force.conditions import Conditions, Quantity
 from aioduco.sim.force.offset import FlangeOffset, OutOfReach
 from aioduco.sim.force.sensor import DOWN, ForceAxes, ForceSensor
 
@@ -22,9 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from aioduco.kinematics import Arm
-    from aioduco.models.rotation import Array
     from aioduco.sim.cycle import SensedState
-    from aioduco.sim.force.conditions import Quantity
     from aioduco.sim.planner.path import JointSetPoint
 
 

@@ -6,24 +6,22 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from aioduco._wire.rpc import EAxissInfo
+from aioduco._wire.rpc import EAxisParam, EAxisSchemeParam, EAxissInfo
 from aioduco.models.enums import TaskState
 from aioduco.sim.cabinet.axis_schemes import Axis
 from aioduco.sim.handlers import arguments
 from aioduco.sim.handlers.base import task
 from aioduco.sim.handlers.paths import PathSection, motion
-from aioduco.sim.planner.segments import stay
+from aioduco.sim.planner.segments import Segment, stay
 from aioduco.sim.refusal import illegal
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from aioduco._wire.rpc import EAxisParam, EAxisSchemeParam
     from aioduco.models.rotation import Array
     from aioduco.sim.controller.motion_queue import Plan
     from aioduco.sim.controller.state_machine import Controller
     from aioduco.sim.handlers.motion_call import MotionCall
-    from aioduco.sim.planner.segments import Segment
 
 
 _FARTHEST = 1e4  # stands for an unlimited range [rad or m]

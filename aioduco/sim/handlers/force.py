@@ -9,7 +9,7 @@ from aioduco.models.enums import RobotState, TaskState
 from aioduco.models.force import ForceFrame, ForceLogic, GuardedForce
 from aioduco.sim.controller.force_tasks import FC_MOVE
 from aioduco.sim.controller.motion_queue import Following
-from aioduco.sim.force.conditions import Condition
+from aioduco.sim.force.conditions import Condition, Quantity
 from aioduco.sim.force.control import AdmittanceLaw, ForceGuard
 from aioduco.sim.force.sensor import ForceAxes
 from aioduco.sim.handlers.arguments import choice, number, numbers, six
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from enum import IntEnum
 
     from aioduco.sim.controller.state_machine import Controller
-    from aioduco.sim.force.conditions import Quantity
 
 _FORCE = 1000.0  # N, N m
 _SPEED = 5.0  # m/s, rad/s

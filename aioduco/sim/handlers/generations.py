@@ -15,7 +15,7 @@ import numpy as np
 from aioduco._wire import newer
 from aioduco.sim.handlers import Handlers
 from aioduco.sim.handlers.base import arguments_of
-from aioduco.sim.handlers.paths import JOINT_ACCELERATION, JOINT_SPEED
+from aioduco.sim.handlers.paths import JOINT_ACCELERATION, JOINT_SPEED, Range
 from aioduco.sim.refusal import Refusal, illegal, mismatch
 
 if TYPE_CHECKING:
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from aioduco._wire.rpc import EAxissInfo, MoveJogTaskParam, RobotStatus
     from aioduco.models.rotation import Array
     from aioduco.sim.handlers.motion_call import MotionCall
-    from aioduco.sim.handlers.paths import Range
     from aioduco.sim.planner.servo_follower import ServoTuning
 
 

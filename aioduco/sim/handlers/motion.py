@@ -5,24 +5,22 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from aioduco.models.rotation import transform
+from aioduco.models.rotation import Array, transform
 from aioduco.sim.controller.triggers import point_trigger
 from aioduco.sim.handlers import arguments
 from aioduco.sim.handlers.base import task
 from aioduco.sim.handlers.paths import DEFAULT_JOINT_ACCELERATION, PathSection, blend, motion
-from aioduco.sim.planner.segments import line_move, spiral_move, spline_move
+from aioduco.sim.planner.segments import Segment, line_move, spiral_move, spline_move
 from aioduco.sim.planner.slices import in_turn
 from aioduco.sim.refusal import mismatch
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from aioduco.models.rotation import Array
     from aioduco.sim.cabinet.tools import NamedFrame
     from aioduco.sim.controller.motion_queue import Plan
     from aioduco.sim.controller.state_machine import Controller
     from aioduco.sim.handlers.motion_call import MotionCall
-    from aioduco.sim.planner.segments import Segment
 
 
 _MOST_POINTS = 50

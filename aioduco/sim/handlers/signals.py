@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from aioduco._wire.rpc import IOStatus
 from aioduco.models.enums import OutputMode
-from aioduco.sim.cabinet.signals import LEVEL, Pulses
-from aioduco.sim.cabinet.values import UndefinedValue
+from aioduco.sim.cabinet.signals import LEVEL, Bank, Pulses
+from aioduco.sim.cabinet.values import SystemValues, UndefinedValue
 from aioduco.sim.handlers.arguments import choice, number
 from aioduco.sim.handlers.base import HandlerSection, task
 from aioduco.sim.refusal import mismatch
@@ -16,8 +16,6 @@ from aioduco.sim.refusal import mismatch
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from aioduco.sim.cabinet.signals import Bank
-    from aioduco.sim.cabinet.values import SystemValues
     from aioduco.sim.controller.state_machine import Controller
 
 

@@ -18,7 +18,7 @@ from aioduco.sim.handlers.paths import (
     DEFAULT_LINE_ACCELERATION,
     JOINT_SPEED,
 )
-from aioduco.sim.planner.follower import FollowerChain
+from aioduco.sim.planner.follower import FollowerChain, TargetFollower
 from aioduco.sim.planner.track_pool import JointTrack, ToolTrack, TrackPool
 from aioduco.sim.refusal import illegal, mismatch
 
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from aioduco._wire.rpc import PointOp
     from aioduco.models.rotation import Array
     from aioduco.sim.controller.state_machine import Controller
-    from aioduco.sim.planner.follower import TargetFollower
 
     _Part = Callable[[Array], TargetFollower]
 

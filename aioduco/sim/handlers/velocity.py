@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from aioduco.models.jog import JogFrame
-from aioduco.models.rotation import matrix_from_rotvec, transform
+from aioduco.models.rotation import Array, matrix_from_rotvec, transform
 from aioduco.sim.controller.motion_queue import Following
 from aioduco.sim.handlers import arguments
 from aioduco.sim.handlers.base import HandlerSection, task
 from aioduco.sim.handlers.paths import JOINT_ACCELERATION
 from aioduco.sim.planner.guiding import HandGuidingFollower, cartesian_giving, joint_giving
-from aioduco.sim.planner.segments import joint_move, line_move
+from aioduco.sim.planner.segments import Segment, joint_move, line_move
 from aioduco.sim.planner.velocity_follower import JointVelocity, ToolVelocity
 from aioduco.sim.refusal import mismatch
 
@@ -22,11 +22,9 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from aioduco._wire.rpc import MoveJogTaskParam
-    from aioduco.models.rotation import Array
     from aioduco.sim.controller.motion_queue import Plan
     from aioduco.sim.controller.state_machine import Controller
     from aioduco.sim.planner.follower import TargetFollower
-    from aioduco.sim.planner.segments import Segment
 
 
 _FASTEST_JOINT = 1.25 * math.pi

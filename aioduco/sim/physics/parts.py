@@ -9,14 +9,13 @@ import numpy as np
 
 from aioduco.errors import ParameterError
 from aioduco.models.pose import Pose
-from aioduco.models.rotation import matrix_from_quaternion, quaternion_from_matrix, transform
+from aioduco.models.rotation import Array, matrix_from_quaternion, quaternion_from_matrix, transform
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import NDArray
 
-    from aioduco.models.rotation import Array
     from aioduco.sim.physics.gripper import Hand
 
     mujoco: Any  # its bindings are compiled, without types

@@ -9,11 +9,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from aioduco.kinematics.forward import frames
-from aioduco.models.rotation import rpy_from_matrix
+from aioduco.models.rotation import Array, rpy_from_matrix
 
 if TYPE_CHECKING:
     from aioduco.kinematics import Geometry
-    from aioduco.models.rotation import Array
 
     Triple = tuple[float, float, float]
 

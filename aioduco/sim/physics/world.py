@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from aioduco.errors import ParameterError
-from aioduco.models.pose import Pose
-from aioduco.models.rotation import transform
+from aioduco.models.pose import Pose, PoseLike
+from aioduco.models.rotation import Array, transform
 from aioduco.sim.cycle import PlantReading
 from aioduco.sim.physics.dynamics import InverseDynamics, mount
 from aioduco.sim.physics.gripper import Hand, gripper_mjcf
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
     from aioduco.kinematics import Arm
     from aioduco.models.gripper_models import GripperModel
-    from aioduco.models.pose import PoseLike
-    from aioduco.models.rotation import Array
     from aioduco.sim.physics.drives import TrailingDrives
     from aioduco.sim.planner.path import JointSetPoint
 

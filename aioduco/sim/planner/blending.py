@@ -14,21 +14,18 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from aioduco.models.rotation import transform
+from aioduco.models.rotation import Array, transform
 from aioduco.sim.planner.axes import blended
 from aioduco.sim.planner.motion_limits import joint_limits, tool_limits
-from aioduco.sim.planner.path import PlanError
+from aioduco.sim.planner.path import Path, PlanError
 from aioduco.sim.planner.slices import yield_now
-from aioduco.sim.planner.timing import allowed, backward
+from aioduco.sim.planner.timing import PathLimits, allowed, backward
 from aioduco.sim.planner.tracing import check_limits, fit, trace
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from aioduco.models.rotation import Array
-    from aioduco.sim.planner.path import Path
     from aioduco.sim.planner.segments import Segment
-    from aioduco.sim.planner.timing import PathLimits
 
 
 _PIECES = 24

@@ -21,14 +21,13 @@ from aioduco.sim.planner.blending import Corners, Entry, alone, joined, keeps
 from aioduco.sim.planner.path import JointSetPoint, PlanError
 from aioduco.sim.planner.segments import Segment, carry
 from aioduco.sim.planner.slices import yield_now
-from aioduco.sim.planner.timing import fastest
+from aioduco.sim.planner.timing import TimeLaw, fastest
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
-    from aioduco.sim.planner.timing import TimeLaw
 
 __all__ = [
     "Draft",

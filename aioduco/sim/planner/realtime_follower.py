@@ -18,7 +18,7 @@ import numpy as np
 from aioduco.errors import Unreachable
 from aioduco.kinematics.forward import fkine
 from aioduco.models.realtime import RealtimeMode
-from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix
+from aioduco.models.rotation import Array, matrix_from_rotvec, rotvec_from_matrix
 from aioduco.sim.planner.follower import MAX_JUMP, Failure, FollowError, TargetFollower
 from aioduco.sim.planner.path import JointSetPoint
 from aioduco.sim.planner.track_pool import Fifo
@@ -26,7 +26,6 @@ from aioduco.sim.planner.velocity_follower import joint_speeds
 
 if TYPE_CHECKING:
     from aioduco.kinematics import Arm
-    from aioduco.models.rotation import Array
 
 
 #: how far the first point may be from the arm

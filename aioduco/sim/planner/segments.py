@@ -4,28 +4,24 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, TypedDict
+from typing import TYPE_CHECKING, TypedDict, Unpack
 
 import numpy as np
 
 from aioduco.kinematics.forward import fkine
-from aioduco.models.rotation import rotvec_from_matrix
-from aioduco.sim.planner.curves import StraightLine, arc_through, spiral, spline
+from aioduco.models.rotation import Array, rotvec_from_matrix
+from aioduco.sim.planner.curves import Curve, StraightLine, arc_through, spiral, spline
 from aioduco.sim.planner.motion_limits import joint_limits, tool_limits
 from aioduco.sim.planner.path import Path, PlanError
 from aioduco.sim.planner.slices import LONG_SLICE, slices, yield_now
-from aioduco.sim.planner.timing import backward, fastest
+from aioduco.sim.planner.timing import PathLimits, backward, fastest
 from aioduco.sim.planner.tracing import check_limits, pass_singularities, passing_limits, trace
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
-    from typing import Unpack
 
     from aioduco.kinematics import Arm
-    from aioduco.models.rotation import Array
     from aioduco.sim.planner.axes import ExternalAxesMove
-    from aioduco.sim.planner.curves import Curve
-    from aioduco.sim.planner.timing import PathLimits
     from aioduco.sim.planner.weaving import Weave
 
 __all__ = [

@@ -8,7 +8,7 @@ import selectors
 import socket
 import threading
 import time
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 from aioduco._process.reporting import BackgroundLogger
 from aioduco._wire import idl
@@ -18,8 +18,6 @@ from aioduco.sim.server.processor import CallInbox, Malformed, Message, Processo
 from aioduco.sim.server.socket_thread import SocketThread
 
 if TYPE_CHECKING:
-    from typing import Self
-
     from aioduco.sim.server.generations import Wire
 
 _log = BackgroundLogger(__name__)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import asdict, dataclass, field, fields
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -14,20 +14,17 @@ from aioduco.models.ranges import ABOVE, FINITE, FROM_0, OWN_NAME
 from aioduco.models.rules import Vector, is_number, stored
 from aioduco.models.toml_files import read_text
 from aioduco.models.whole_files import write_whole
-from aioduco.sim.twin.data import TwinCommand
+from aioduco.sim.twin.data import Six, TwinCommand, TwinSample
 from aioduco.sim.twin.patterns import Friction, PatternFit
-from aioduco.sim.twin.predictor import Predictor
+from aioduco.sim.twin.predictor import Deviation, Predictor
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Iterable, Sequence
-    from typing import Self
 
     from aioduco.kinematics import Arm
     from aioduco.models.pose import Pose
     from aioduco.models.rotation import Array
-    from aioduco.sim.twin.data import Six, TwinSample
-    from aioduco.sim.twin.predictor import Deviation
 
 
 #: factor of a limit over the largest difference of a good run

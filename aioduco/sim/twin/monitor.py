@@ -13,19 +13,16 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from aioduco.models.enums import RobotState
-from aioduco.sim.twin.data import Cause, Divergence, Quantity
-from aioduco.sim.twin.patterns import PatternFit
-from aioduco.sim.twin.predictor import Predictor
+from aioduco.sim.twin.data import Cause, Divergence, Quantity, TwinCommand, TwinSample
+from aioduco.sim.twin.patterns import PatternFit, Patterns
+from aioduco.sim.twin.predictor import Deviation, Predictor
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from aioduco.kinematics import Arm
     from aioduco.models.pose import Pose
-    from aioduco.sim.twin.data import TwinCommand, TwinSample
     from aioduco.sim.twin.limits import TwinLimits
-    from aioduco.sim.twin.patterns import Patterns
-    from aioduco.sim.twin.predictor import Deviation
 
 
 #: time for which a difference of twice its limit must last [s]

@@ -9,13 +9,12 @@ import numpy as np
 from aioduco.kinematics.forward import frames
 from aioduco.models.enums import ProgramState, RobotState
 from aioduco.models.pose import Pose
-from aioduco.sim.twin.rehearsal import PATHS, Rehearsal
+from aioduco.sim.twin.rehearsal import PATHS, Match, Rehearsal
 
 if TYPE_CHECKING:
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
     from aioduco.sim.twin.data import Six, TwinCommand, TwinSample
-    from aioduco.sim.twin.rehearsal import Match
 
 
 #: time by which the rehearsal gets commands before the arm, so that it is never behind [s]

@@ -12,11 +12,11 @@ from aioduco.errors import ParameterError
 from aioduco.kinematics import arm as arm_of
 from aioduco.kinematics.catalogue import model_named
 from aioduco.models.enums import ProgramState, RobotState, SafetyState
-from aioduco.models.pose import Pose
+from aioduco.models.pose import Pose, PoseLike
 from aioduco.models.rotation import matrix_from_quaternion, rpy_from_matrix
-from aioduco.recording.run import RecordedRun, read
+from aioduco.recording.run import RecordedMessage, RecordedRun, read
 from aioduco.sim.twin import limits as limits_of
-from aioduco.sim.twin.data import TwinCommand, TwinSample
+from aioduco.sim.twin.data import Divergence, Six, TwinCommand, TwinSample
 from aioduco.sim.twin.limits import TwinLimits, deviations
 from aioduco.sim.twin.monitor import TwinMonitor
 from aioduco.sim.twin.predictor import AHEAD
@@ -26,9 +26,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from aioduco.kinematics import Arm
-    from aioduco.models.pose import PoseLike
-    from aioduco.recording.run import RecordedMessage
-    from aioduco.sim.twin.data import Divergence, Six
 
 
 #: channels with parts of samples

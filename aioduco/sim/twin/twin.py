@@ -14,7 +14,7 @@ import threading
 import time
 from collections import deque
 from queue import SimpleQueue
-from typing import TYPE_CHECKING, Final, Literal, NamedTuple, TypeAlias, get_args
+from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple, Self, TypeAlias, get_args
 
 from aioduco._process.copying import Uncopied
 from aioduco._process.linked_process import LinkedProcess
@@ -24,9 +24,9 @@ from aioduco._wire.owner_loop import loop_callback
 from aioduco.errors import DucoError, ParameterError, RobotStateError
 from aioduco.kinematics import arm as arm_of
 from aioduco.kinematics.catalogue import model_named
-from aioduco.models.pose import Pose
+from aioduco.models.pose import Pose, PoseLike
 from aioduco.models.rules import Flag
-from aioduco.models.trace import CallFinished
+from aioduco.models.trace import CallFinished, TraceEvent
 from aioduco.models.words import one_of
 from aioduco.sim.twin.data import Divergence, TwinCommand, TwinSample
 from aioduco.sim.twin.limits import TwinLimits
@@ -37,10 +37,7 @@ from aioduco.supervision.events import TwinDiverged
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import Any, Self
 
-    from aioduco.models.pose import PoseLike
-    from aioduco.models.trace import TraceEvent
     from aioduco.supervision.supervisor import Supervisor
 
 

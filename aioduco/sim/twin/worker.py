@@ -8,15 +8,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from aioduco._process.linked_process import ValueChannel
 from aioduco.kinematics import arm
-from aioduco.sim.twin.data import TwinCommand, TwinSample
-from aioduco.sim.twin.monitor import TwinMonitor
+from aioduco.sim.twin.data import Divergence, TwinCommand, TwinSample
+from aioduco.sim.twin.monitor import TwinFigures, TwinMonitor
 from aioduco.sim.twin.timeline import Timeline
 
 if TYPE_CHECKING:
     from aioduco.models.pose import Pose
-    from aioduco.sim.twin.data import Divergence
     from aioduco.sim.twin.limits import TwinLimits
-    from aioduco.sim.twin.monitor import TwinFigures
 
 
 #: interval at which figures are sent when nothing has parted [s of the samples]

@@ -13,7 +13,7 @@ from aioduco._process import trial
 from aioduco._process.linked_process import LinkedProcess
 from aioduco._process.spawn import MUJOCO_PACKAGES, Unstartable
 from aioduco.errors import ParameterError, RenderError
-from aioduco.sim.view.camera import Camera
+from aioduco.sim.view.camera import Camera, PictureMark
 from aioduco.sim.view.drawing import PictureRequest, advice
 
 if TYPE_CHECKING:
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
     import numpy as np
     from numpy.typing import NDArray
-
-    from aioduco.sim.view.camera import PictureMark
 
     Picture = NDArray[np.uint8]
 

@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING, Final
 from aioduco._wire.rpc import Op
 from aioduco.errors import DucoError
 from aioduco.models.enums import ProgramState, SafetyState, TaskState
-from aioduco.testing.conformance.check_session import MOTION, NotTried
+from aioduco.testing.conformance.check_session import MOTION, CheckSession, NotTried
 
 if TYPE_CHECKING:
-    from aioduco.testing.conformance.check_session import CheckSession
     from aioduco.testing.conformance.reading import Found, Looked
 
 

@@ -18,12 +18,10 @@ from aioduco.kinematics import arm, models
 from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState, TaskState
 from aioduco.models.pose import Pose
 from aioduco.sim.handlers import NOT_PUBLIC
-from aioduco.testing.conformance.check_session import NotTried
+from aioduco.testing.conformance.check_session import CheckSession, NotTried
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-
-    from aioduco.testing.conformance.check_session import CheckSession
 
 
 #: whether the controller behaves like the simulated one, and what was found

@@ -19,7 +19,7 @@ import numpy as np
 from aioduco.errors import TaskFailed, TaskParameterMismatch, Unreachable
 from aioduco.sim.handlers.paths import DEFAULT_JOINT_ACCELERATION
 from aioduco.sim.planner.path import PlanError
-from aioduco.sim.planner.segments import joint_move
+from aioduco.sim.planner.segments import Segment, joint_move
 from aioduco.testing.preflight.handlers import handled
 
 if TYPE_CHECKING:
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
     from aioduco.kinematics import Arm
     from aioduco.sim.controller.motion_queue import Plan
-    from aioduco.sim.planner.segments import Segment
     from aioduco.testing.preflight.run_recorder import ProgramCall
 
     Vector = NDArray[np.float64]

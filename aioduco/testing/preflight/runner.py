@@ -22,7 +22,7 @@ from aioduco.kinematics import arm as arm_of
 from aioduco.models.ranges import FINITE, FLAG, FOLDER, JOINTS, TEXTS, TIMEOUT
 from aioduco.models.rules import Integer, stored
 from aioduco.sim.physics.world import World
-from aioduco.sim.scene import mjcf_of, mounting_of
+from aioduco.sim.scene import MountingLike, SceneLike, mjcf_of, mounting_of
 from aioduco.testing.preflight.borders import address_of
 from aioduco.testing.preflight.findings import PreflightFinding, findings
 from aioduco.testing.preflight.margins import Margin, margins, near_singularities
@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from aioduco.models.pose import JointsLike
-    from aioduco.sim.scene import MountingLike, SceneLike
 
 
 _SEED = Integer(-(2**63), 2**63 - 1, source="this package")

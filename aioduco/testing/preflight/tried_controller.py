@@ -10,7 +10,7 @@ import threading
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from aioduco.sim.scene import mjcf_of
+from aioduco.sim.scene import MountingLike, SceneLike, mjcf_of
 from aioduco.sim.simulator import Simulator
 from aioduco.sim.trial import ControllerTrial
 from aioduco.testing.preflight.going_on import MotionPlans
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from aioduco.models.pose import JointsLike
     from aioduco.sim.controller.motion_queue import Plan
     from aioduco.sim.planner.segments import Segment
-    from aioduco.sim.scene import MountingLike, SceneLike
     from aioduco.testing.preflight.program_clock import ProgramClock
     from aioduco.testing.preflight.program_simulator import ProgramSimulator
     from aioduco.testing.preflight.run_recorder import ProgramCall, RunRecorder

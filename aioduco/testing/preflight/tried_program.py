@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from contextlib import contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -14,18 +14,16 @@ from aioduco.supervision.settings import RobotSettings
 from aioduco.testing.preflight import lines
 from aioduco.testing.preflight.going_on import GOES_ON
 from aioduco.testing.preflight.handlers import handled
-from aioduco.testing.preflight.run_recorder import CHECKED, CheckedMotion
+from aioduco.testing.preflight.run_recorder import CHECKED, CheckedMotion, RunRecorder
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
-    from contextlib import AbstractContextManager
     from types import FrameType
 
     from _typeshed import DataclassInstance
 
     from aioduco.testing.preflight.program_clock import ProgramClock
     from aioduco.testing.preflight.program_simulator import ProgramSimulator
-    from aioduco.testing.preflight.run_recorder import RunRecorder
 
     Settings = TypeVar("Settings", bound=DataclassInstance)
 

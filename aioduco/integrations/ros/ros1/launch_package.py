@@ -12,12 +12,10 @@ from importlib import resources
 from string import Template
 from typing import TYPE_CHECKING, Any
 
-from aioduco.descriptions import ArmDescription, urdf
+from aioduco.descriptions import ArmDescription, ArmLike, urdf
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-
-    from aioduco.descriptions import ArmLike
 
 
 class _Text(Template):

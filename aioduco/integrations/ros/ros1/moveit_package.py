@@ -6,14 +6,10 @@ reads one from its own namespace. The view has the button "next", if rviz_visual
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from aioduco.descriptions import ArmDescription, moveit
+from aioduco.descriptions import ArmDescription, ArmLike, moveit
 from aioduco.integrations.ros.ros1.launch_package import filled, package_files, rviz_text
-
-if TYPE_CHECKING:
-    from aioduco.descriptions import ArmLike
-
 
 _NEEDED = (
     *("moveit_ros_move_group", "moveit_planners_ompl", "moveit_kinematics"),

@@ -32,7 +32,7 @@ from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings, arm_node
 from aioduco.integrations.ros.node_parameters import NodeError, settings_of
 from aioduco.integrations.ros.ros1 import conversions
 from aioduco.integrations.ros.ros1._packed_joint_state import PackedJointState
-from aioduco.integrations.ros.service_table import service_table
+from aioduco.integrations.ros.service_table import ServiceEntry, service_table
 from aioduco.integrations.ros.shutdown import cancel_on_signal
 from aioduco.integrations.ros.topics import (
     COMMAND_TOPICS,
@@ -40,7 +40,7 @@ from aioduco.integrations.ros.topics import (
     StatePublisher,
     topic_name,
 )
-from aioduco.integrations.ros.trajectory_goals import ErrorCode
+from aioduco.integrations.ros.trajectory_goals import ErrorCode, TrajectoryGoal
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -48,8 +48,6 @@ if TYPE_CHECKING:
     from anyio.abc import SocketStream, TaskGroup
 
     from aioduco.integrations.ros.arm_services import ServiceReply
-    from aioduco.integrations.ros.service_table import ServiceEntry
-    from aioduco.integrations.ros.trajectory_goals import TrajectoryGoal
     from aioduco.integrations.ros.trajectory_server import GoalProgress
 
 

@@ -40,14 +40,14 @@ from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings, arm_node, c
 from aioduco.integrations.ros.arm_services import ServiceReply
 from aioduco.integrations.ros.node_parameters import parameter_defaults, settings_of
 from aioduco.integrations.ros.ros2 import conversions
-from aioduco.integrations.ros.service_table import service_table
+from aioduco.integrations.ros.service_table import ServiceEntry, service_table
 from aioduco.integrations.ros.topics import (
     COMMAND_TOPICS,
     STATE_TOPICS,
     StatePublisher,
     topic_name,
 )
-from aioduco.integrations.ros.trajectory_goals import ErrorCode, GoalRefused
+from aioduco.integrations.ros.trajectory_goals import ErrorCode, GoalRefused, TrajectoryGoal
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -55,8 +55,6 @@ if TYPE_CHECKING:
     from anyio.abc import TaskStatus
     from anyio.from_thread import BlockingPortal
 
-    from aioduco.integrations.ros.service_table import ServiceEntry
-    from aioduco.integrations.ros.trajectory_goals import TrajectoryGoal
     from aioduco.integrations.ros.trajectory_server import GoalProgress
 
 

@@ -12,10 +12,9 @@ from control_msgs.action import FollowJointTrajectory
 from control_msgs.msg import JointTrajectoryControllerState
 
 from aioduco.integrations.ros import shared_messages
-from aioduco.integrations.ros.trajectory_goals import ErrorCode, GoalRefused
+from aioduco.integrations.ros.trajectory_goals import ErrorCode, GoalRefused, TrajectoryGoal
 
 if TYPE_CHECKING:
-    from aioduco.integrations.ros.trajectory_goals import TrajectoryGoal
     from aioduco.integrations.ros.trajectory_server import GoalProgress
 
 
