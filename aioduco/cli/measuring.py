@@ -13,6 +13,7 @@ import aioduco
 from aioduco._wire.rpc import calls
 from aioduco.errors import Refused, RobotStateError, TaskError, TaskStopped
 from aioduco.models.enums import RobotState
+from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -274,9 +275,8 @@ async def _during(
 
     async with anyio.create_task_group() as group:
         group.start_soon(act)
-        due = anyio.current_time()
-        while not ended:
+        async for _ in every(interval):
+            if ended:
+                break
             await read()
-            due = max(due + interval, anyio.current_time())
-            await anyio.sleep_until(due)
     await read()

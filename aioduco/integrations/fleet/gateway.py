@@ -20,6 +20,7 @@ from aioduco.integrations.fleet.proof import read_keys
 from aioduco.integrations.fleet.reports import ArmReport
 from aioduco.integrations.fleet.settings import FleetFileError, settings_given
 from aioduco.robot import Robot, connect, stop_all
+from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -104,8 +105,8 @@ class FleetGateway(Uncopied):
 
     async def _supervise(self, arm: ArmSettings) -> None:
         """Keep one robot open: reopen it whenever it fails. Each reason is logged once in a row."""
-        due, said = anyio.current_time(), ""
-        while True:
+        said = ""
+        async for _ in every(_AGAIN):
             try:
                 async with self._reach(arm) as robot:
                     said = ""
@@ -131,8 +132,6 @@ class FleetGateway(Uncopied):
                     _log.exception("the gateway failed at the arm %s", arm.name)
                 said = why
                 self._state.closed(arm.name, why)
-            due = max(due + _AGAIN, anyio.current_time())
-            await anyio.sleep_until(due)
 
     async def _follow(self, name: str, robot: Robot) -> None:
         async with anyio.create_task_group() as tasks:
@@ -162,14 +161,9 @@ class FleetGateway(Uncopied):
                     self._state.heartbeat_withheld(name, withheld=withheld)
 
     async def _publish_reports(self) -> None:
-        begin = anyio.current_time()
-        number = 0
-        while True:
-            number += 1
+        async for _ in every(1.0 / self._settings.rate):
             report = self._state.report(time.monotonic())
             self._link.publish_state(self._settings.gateway, report.encode())
-            due = begin + number / self._settings.rate
-            await anyio.sleep_until(max(due, anyio.current_time()))
 
     def _namesake_seen(self) -> None:
         if not self._has_namesake:

@@ -75,6 +75,7 @@ from aioduco.models.ranges import LISTEN_HOST
 from aioduco.models.rules import Number
 from aioduco.models.user_terms import in_terms_of
 from aioduco.recording.playback.player import arm_named
+from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -642,8 +643,8 @@ class Panel(Uncopied):
                 self._note(text, event.severity)
 
     async def _ask_seldom(self) -> None:
-        robot, due = self._observer, anyio.current_time()
-        while True:
+        robot = self._observer
+        async for _ in every(_SELDOM):
             pose = await _asked(robot.state.get_tcp_pose_coord)
             errors = await _asked(robot.state.get_last_error)
             self._seldom |= {
@@ -660,14 +661,11 @@ class Panel(Uncopied):
                 self._note(said, "warning")
                 self._wrong_tokens.clear()
             self._server.broadcast(self._seldom)
-            due = max(due + _SELDOM, anyio.current_time())
-            await anyio.sleep_until(due)
 
     async def _tell(self) -> None:
         """Send the state to every page at a steady rate, and apply the time-outs of the lease."""
-        period, due = 1.0 / self.rate, anyio.current_time()
         shown, kept_at = None, 0.0
-        while True:
+        async for _ in every(1.0 / self.rate):
             self._apply(self._lease.due(time.monotonic()))
             if self._jog is not None and self._jog.done:
                 self._button_released.set()  # it ended by itself
@@ -679,8 +677,6 @@ class Panel(Uncopied):
                 kept_at = now
                 self._history.append([round(now, 2), *history_point(self._told)])
             self._tell_state(sample, now)
-            due = max(due + period, anyio.current_time())
-            await anyio.sleep_until(due)
 
     def _tell_state(self, sample: Snapshot | None, now: float) -> None:
         number = next(self._numbers)

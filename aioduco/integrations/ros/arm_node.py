@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 import time
 from contextlib import asynccontextmanager
@@ -30,6 +29,7 @@ from aioduco.integrations.ros.twist_commands import TwistCommands
 from aioduco.kinematics.catalogue import model_named, same_arm
 from aioduco.models.rules import Number, stored
 from aioduco.models.words import one_of
+from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
@@ -255,9 +255,8 @@ class ArmNode:
 
     async def _publish_joints(self, sink: StateSink) -> None:
         """Publish joints at the full rate: one request each; a whole sample needs three."""
-        state, prefix, period = self.robot.state, self.settings.prefix, 1.0 / self.settings.rate
-        start, number = time.monotonic(), 0
-        while True:
+        state, prefix = self.robot.state, self.settings.prefix
+        async for _ in every(1.0 / self.settings.rate):
             try:
                 status = await state.getRobotStatus()
                 reading = joint_reading(status)
@@ -274,23 +273,16 @@ class ArmNode:
             except DucoError as error:
                 _log.debug("no joint states: %s", error)
                 await anyio.sleep(_RETRY)
-            # Missed cycles are skipped, and not made up for.
-            now = time.monotonic()
-            number = max(number + 1, int((now - start) / period))
-            await anyio.sleep(max(start + number * period - now, 0.0))
 
     async def _publish_progress(self, sink: StateSink) -> None:
         """Publish where the arm is and is to be."""
-        start, number, period = anyio.current_time(), 0, 1.0 / self.settings.feedback_rate
-        while True:
+        async for _ in every(1.0 / self.settings.feedback_rate):
             place = self.goals.progress
             if place is None and self._position:
                 here = np.array(self._position)
                 place = GoalProgress(0.0, here, here, np.zeros_like(here))
             if place is not None:
                 sink.progress(place, self.goals.factor)
-            number = max(number + 1, math.ceil((anyio.current_time() - start) / period))
-            await anyio.sleep_until(start + number * period)
 
     async def _publish_states(self, sink: StateSink) -> None:
         """Pass whole samples to the sink; a slow sink loses samples, and causes no delay."""
@@ -301,8 +293,7 @@ class ArmNode:
 
     async def _watch_speed(self, sink: StateSink) -> None:
         """Publish the global speed, and let goals follow it."""
-        start, number, period = anyio.current_time(), 0, 1.0 / self.settings.slow_rate
-        while True:
+        async for _ in every(1.0 / self.settings.slow_rate):
             try:
                 before = self.goals.factor
                 percent = float(await self.robot.settings.get_global_speed())
@@ -312,13 +303,10 @@ class ArmNode:
                     self.goals.scale(min(max(percent, 1.0), 100.0) / 100.0)
             except DucoError as error:
                 _log.debug("no speed: %s", error)
-            number = max(number + 1, math.ceil((anyio.current_time() - start) / period))
-            await anyio.sleep_until(start + number * period)
 
     async def _diagnose(self, sink: StateSink) -> None:
-        feed, start, number = self.robot.feed, anyio.current_time(), 0
-        asked = start
-        while True:
+        feed, asked = self.robot.feed, anyio.current_time()
+        async for _ in every(1.0):
             try:
                 self._tcp_offset = await self.robot.frames.get_tcp_offset()
                 if self._newest is not None:
@@ -329,8 +317,6 @@ class ArmNode:
             now = anyio.current_time()
             rate, asked, self._count = self._count / max(now - asked, 1e-3), now, 0
             sink.diagnosis(diagnosis(self._newest, feed.error, time.monotonic(), rate))
-            number = max(number + 1, int(anyio.current_time() - start))
-            await anyio.sleep_until(start + number)
 
 
 @asynccontextmanager

@@ -48,6 +48,7 @@ from aioduco.integrations.ros.trajectory_goals import (
     code_of,
     said,
 )
+from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -547,30 +548,25 @@ class TrajectoryServer:
 
     async def _come_to_rest(self) -> None:
         """Wait until the joints are as slow as the goal asks for."""
-        start, number, checked = anyio.current_time(), 0, self._running.checked
-        while checked.goal_speed is not None:
-            speeds = np.abs(await self._robot.state.get_actual_joints_speed())
-            if np.all(speeds <= checked.goal_speed):
+        most = self._running.checked.goal_speed
+        if most is None:
+            return
+        async for _ in every(_LOOK):
+            if np.all(np.abs(await self._robot.state.get_actual_joints_speed()) <= most):
                 return
-            number += 1
-            await anyio.sleep_until(start + number * _LOOK)
 
     async def _watch_time(self) -> None:
         """End a goal that is late by its own times."""
-        start, number = anyio.current_time(), 0
-        while anyio.current_time() < self._due:
-            number += 1
-            await anyio.sleep_until(start + number * _LOOK)
+        async for _ in every(_LOOK):
+            if anyio.current_time() >= self._due:
+                break
         late = self._running.checked.tolerances.goal_time
         text = f"not there {late:g} s after the goal's own end"
         self._halt("", GoalEnded(ErrorCode.GOAL_TOLERANCE_VIOLATED, text))
 
     async def _watch_speed(self) -> None:
         """End a goal whose joints have other speeds than its path, by more than it allows."""
-        start, number = anyio.current_time(), 0
-        while True:
-            number += 1
-            await anyio.sleep_until(start + number * _LOOK)
+        async for _ in every(_LOOK):
             place, most = self._progress, self._running.checked.path_speed
             if most is None:
                 continue
@@ -593,10 +589,9 @@ class TrajectoryServer:
 
     async def _watch_client(self) -> None:
         """End a goal whose client has gone: no client could cancel it."""
-        start, number = anyio.current_time(), 0
-        while self._running.handle.alive():
-            number += 1
-            await anyio.sleep_until(start + number * _LOOK)
+        async for _ in every(_LOOK):
+            if not self._running.handle.alive():
+                break
         _log.warning("the client of the goal is gone: the arm comes to rest")
         if self._stop_at_loss:
             with contextlib.suppress(DucoError):

@@ -48,6 +48,7 @@ from aioduco.integrations.ros.topics import (
     topic_name,
 )
 from aioduco.integrations.ros.trajectory_goals import ErrorCode, GoalRefused, TrajectoryGoal
+from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -81,7 +82,7 @@ _QUALITIES = {
 
 _NEXT = 0.5  # a trajectory of one point that is due within this time is a command, not a goal [s]
 _CANCEL_PERIOD = 0.002  # seconds between two checks whether rclpy has recorded a cancellation
-_CANCEL_LOOKS = 500  # largest number of these checks
+_CANCEL_LIMIT = 1.0  # seconds within which it must have
 _LOOK = 0.02  # seconds between two checks whether all results were sent
 _RESULTS = 3.0  # seconds within which that is awaited
 _DELIVERY = 0.3  # seconds for rclpy's thread to send a result; it does not report when it has
@@ -131,11 +132,10 @@ class _ActionGoal:
 
     async def cancellation_noted(self) -> None:
         """Wait until rclpy has recorded the cancellation that it has just reported."""
-        start = anyio.current_time()
-        for number in range(_CANCEL_LOOKS):
-            if self._handle.is_cancel_requested:
-                return
-            await anyio.sleep_until(start + number * _CANCEL_PERIOD)
+        with anyio.move_on_after(_CANCEL_LIMIT):
+            async for _ in every(_CANCEL_PERIOD):
+                if self._handle.is_cancel_requested:
+                    return
 
     def succeeded(self) -> None:
         self._end(self._handle.succeed, ErrorCode.SUCCESSFUL, "")
@@ -418,11 +418,10 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
 
     async def send_results(self) -> None:
         """Wait until rclpy has sent the results of goals that the driver's end has ended."""
-        start = anyio.current_time()
-        for number in range(int(_RESULTS / _LOOK)):
-            if not self._open_goals and time.monotonic() - self._ended_at > _DELIVERY:
-                return
-            await anyio.sleep_until(start + number * _LOOK)
+        with anyio.move_on_after(_RESULTS):
+            async for _ in every(_LOOK):
+                if not self._open_goals and time.monotonic() - self._ended_at > _DELIVERY:
+                    return
 
     # -- topics ----------------------------------------------------------------------------------
 
