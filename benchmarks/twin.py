@@ -36,13 +36,13 @@ from aioduco.sim import Simulator
 from aioduco.sim.twin.data import Cause, Divergence, TwinCommand, TwinSample
 from aioduco.sim.twin.limits import TwinLimits, deviations, learn
 from aioduco.sim.twin.monitor import TwinMonitor
-from aioduco.sim.twin.timeline import Timeline
+from aioduco.sim.twin.predictor import Timeline
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from aioduco.kinematics import Arm
-    from aioduco.sim.twin.timeline import Item
+    from aioduco.sim.twin.predictor import Item
 
 MODEL = "gcr5_910"
 CYCLE = 0.004

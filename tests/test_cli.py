@@ -362,7 +362,7 @@ def test_demo_is_slower_on_an_arm_that_it_did_not_make(monkeypatch: pytest.Monke
     async def perform(robot: aioduco.Robot, plan: Choreography, *rest: object) -> None:
         plans.append(plan)
 
-    monkeypatch.setattr("aioduco.cli.demo.session.perform", perform)
+    monkeypatch.setattr("aioduco.cli.demo.run.perform", perform)
     run("demo", "--no-plot")
     run("demo", "--host", "192.0.2.1", "--yes", "--no-plot")
     simulated, careful = plans

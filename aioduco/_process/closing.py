@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import TYPE_CHECKING
+from typing import Self
 
 import anyio
 import anyio.to_thread
 
 from aioduco._process.copying import Uncopied
-
-if TYPE_CHECKING:
-    from typing import Self
 
 __all__ = ["Closable", "Startable"]
 

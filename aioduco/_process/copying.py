@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import copy
-from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, TypeVar
+from typing import Any, ClassVar, NoReturn, Self, TypeVar
 
 from aioduco.errors import NotCopyable
-
-if TYPE_CHECKING:
-    from typing import Self
 
 __all__ = ["Frozen", "Uncopied"]
 

@@ -13,19 +13,17 @@ from typing import TYPE_CHECKING, Any
 
 from aioduco._wire import codec, failures
 from aioduco._wire.deadline_socket import DeadlineSocket
-from aioduco._wire.endpoint import Lookup
+from aioduco._wire.endpoint import Address, Endpoint, Lookup
 from aioduco._wire.framing import Malformed
 from aioduco._wire.lifecycle import ConnectionState, Lifecycle, Progress
 from aioduco._wire.owner_loop import loop_callback
-from aioduco.errors import ConnectError, DucoError, NotSent, OutcomeUnknown
+from aioduco.errors import ConnectError, ConnectionLost, DucoError, NotSent, OutcomeUnknown
 
 if TYPE_CHECKING:
     from collections import deque
     from collections.abc import Callable, Coroutine, Sequence
 
-    from aioduco._wire.endpoint import Address, Endpoint
     from aioduco._wire.idl import Function
-    from aioduco.errors import ConnectionLost
 
 
 @dataclass(slots=True, eq=False)

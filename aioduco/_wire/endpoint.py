@@ -19,12 +19,10 @@ from aioduco._process import trial
 from aioduco._wire.failures import resource_error
 from aioduco.errors import ConnectError, ParameterError
 from aioduco.models.address import host_alone
-from aioduco.models.trace import ConnectionEnded, ConnectionOpened, emit
+from aioduco.models.trace import ConnectionEnded, ConnectionOpened, Trace, emit
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
-
-    from aioduco.models.trace import Trace
 
 
 #: an address of a host: family, kind, protocol, name, and what `connect` takes, as

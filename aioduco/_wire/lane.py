@@ -18,22 +18,20 @@ from anyio.lowlevel import checkpoint_if_cancelled
 from aioduco._process import trial
 from aioduco._wire import codec, idl
 from aioduco._wire.channel import Call, Channel, LaneCall, connect
-from aioduco._wire.endpoint import Endpoint
+from aioduco._wire.endpoint import Endpoint, Route
 from aioduco._wire.forks import fork_hooks
 from aioduco._wire.owner_loop import OwnerLoop
 from aioduco._wire.pool import PoolThread, ThreadCalls
 from aioduco._wire.rpc import AsyncRpc
 from aioduco.errors import ConnectError, ConnectionLost, NotSent, UnknownFunction
 from aioduco.models.host_port import host_port
-from aioduco.models.trace import CallFinished, emit, tell
+from aioduco.models.trace import CallFinished, Trace, emit, tell
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from types import EllipsisType
 
     from aioduco._process.trial import Trial
-    from aioduco._wire.endpoint import Route
-    from aioduco.models.trace import Trace
 
 _CLOSED: Final = "its lane was closed"
 

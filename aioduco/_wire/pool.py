@@ -12,7 +12,7 @@ from queue import SimpleQueue
 from threading import Thread
 from typing import TYPE_CHECKING, Any, Final
 
-from aioduco._wire.channel import Carrier, LaneCall
+from aioduco._wire.channel import Call, Carrier, LaneCall
 from aioduco._wire.failures import of_two
 from aioduco._wire.idempotence import CallKind, call_kind
 from aioduco._wire.lifecycle import Progress
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from collections import deque
     from collections.abc import Callable
 
-    from aioduco._wire.channel import Call
     from aioduco._wire.connection import Connection
     from aioduco._wire.deadline_socket import DeadlineSocket
     from aioduco._wire.endpoint import Endpoint

@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from aioduco.models import ranges
-from aioduco.models.op import wire_op
+from aioduco.models.op import Op, wire_op
 
 if TYPE_CHECKING:
     from aioduco._wire import rpc
-    from aioduco.models.op import Op
     from aioduco.models.pose import JointsLike
     from aioduco.models.rules import Number, Real
 

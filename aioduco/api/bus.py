@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from aioduco._wire.rpc import calls
+from aioduco._wire.rpc import WireCall, calls
 from aioduco.api.section import Section
 from aioduco.errors import BusError
 from aioduco.models import ranges
@@ -12,7 +12,6 @@ from aioduco.models import ranges
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from aioduco._wire.rpc import WireCall
     from aioduco.models.rules import BytesLike, Whole
 
 

@@ -8,14 +8,13 @@ from aioduco._wire import newer
 from aioduco._wire.rpc import calls
 from aioduco.api.section import Section, checked_task_id
 from aioduco.models import ranges
-from aioduco.models.op import wire_op
+from aioduco.models.op import Op, wire_op
 from aioduco.models.rules.lists import listed
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from aioduco._wire import rpc
-    from aioduco.models.op import Op
     from aioduco.models.rules import Real, VectorLike
     from aioduco.models.weave import WeavePlane, WeaveShape
 

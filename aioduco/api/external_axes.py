@@ -17,7 +17,7 @@ import math
 from typing import TYPE_CHECKING
 
 from aioduco._wire import newer
-from aioduco._wire.rpc import calls
+from aioduco._wire.rpc import WireCall, calls
 from aioduco.api.arguments import frames, limits, outputs
 from aioduco.api.section import JOG_TIME, Section
 from aioduco.errors import LayoutUnknown
@@ -28,14 +28,11 @@ from aioduco.models.external_axis import (
     ExternalAxisState,
     checked,
 )
-from aioduco.models.jog import directions_of
-from aioduco.models.op import wire_op
+from aioduco.models.jog import JogDirections, directions_of
+from aioduco.models.op import Op, wire_op
 
 if TYPE_CHECKING:
     from aioduco._wire import rpc
-    from aioduco._wire.rpc import WireCall
-    from aioduco.models.jog import JogDirections
-    from aioduco.models.op import Op
     from aioduco.models.pose import JointsLike, PoseLike
     from aioduco.models.rules import Real, VectorLike
     from aioduco.models.version import ControllerVersion

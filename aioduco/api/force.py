@@ -8,12 +8,11 @@ from aioduco._wire.rpc import calls
 from aioduco.api.section import Section
 from aioduco.errors import ControllerError, Refused, RobotStateError, TaskError, TaskUnknown
 from aioduco.models import ranges
-from aioduco.models.state import vector
+from aioduco.models.state import Vector, vector
 
 if TYPE_CHECKING:
     from aioduco.models.force import ForceFrame, ForceLogic, GuardedForce
     from aioduco.models.rules import FlagsLike, Real, VectorLike, WholesLike
-    from aioduco.models.state import Vector
     from aioduco.supervision.command import MotionCommand
 
 

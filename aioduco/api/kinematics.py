@@ -12,15 +12,12 @@ from aioduco._wire import newer
 from aioduco.api.section import Section
 from aioduco.errors import ControllerError, Unreachable
 from aioduco.models import ranges
-from aioduco.models.pose import Joints, Pose
+from aioduco.models.pose import Joints, JointsLike, Pose, PoseLike
 from aioduco.models.samples import pose as pose_of
-from aioduco.models.state import vector
+from aioduco.models.state import Vector, vector
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
-
-    from aioduco.models.pose import JointsLike, PoseLike
-    from aioduco.models.state import Vector
 
 
 #: largest accepted distance between a pose and the pose of the joints computed for it [m, rad]:

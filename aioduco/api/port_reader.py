@@ -5,7 +5,7 @@ from __future__ import annotations
 import socket
 import time
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, ClassVar, Final, Generic, TypeVar
+from typing import TYPE_CHECKING, ClassVar, Final, Generic, Self, TypeVar
 
 import anyio
 
@@ -18,8 +18,6 @@ from aioduco.models.address import host_alone
 from aioduco.models.host_port import host_port
 
 if TYPE_CHECKING:
-    from typing import Self
-
     from anyio.abc import AsyncResource
 
 

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, TypeVar
 
-from aioduco._wire.rpc import calls
+from aioduco._wire.rpc import WireCall, calls
 from aioduco.api.section import Section
 from aioduco.errors import Refused
 from aioduco.models import ranges
-from aioduco.models.state import vector
+from aioduco.models.state import Vector, vector
 
 if TYPE_CHECKING:
-    from aioduco._wire.rpc import WireCall
     from aioduco.models.rules import Real, VectorLike, Whole
-    from aioduco.models.state import Vector
     from aioduco.supervision.supervisor import Supervisor
 
 T = TypeVar("T")

@@ -20,7 +20,7 @@ from operator import not_
 from typing import TYPE_CHECKING, Final, TypeVar
 
 from aioduco._process.copying import Uncopied
-from aioduco._wire.rpc import AsyncRpc
+from aioduco._wire.rpc import AsyncRpc, WireCall
 from aioduco.errors import ParameterError, Refused, RobotStateError
 from aioduco.models import ranges
 from aioduco.models.enums import Outcome, TaskState
@@ -29,19 +29,16 @@ from aioduco.models.names import ManualNames
 from aioduco.supervision.command import HeldMotion, MotionCommand
 from aioduco.supervision.concurrency import every
 from aioduco.supervision.task import task_error
-from aioduco.supervision.task_command import Command, shown
-from aioduco.supervision.task_state import ContinuousMotion, TaskLifecycle, added_entries
+from aioduco.supervision.task_command import Aim, Command, shown
+from aioduco.supervision.task_state import ContinuousMotion, JointEta, TaskLifecycle, added_entries
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Sequence
 
-    from aioduco._wire.rpc import WireCall
     from aioduco.models.rules import Real
     from aioduco.supervision.permits import Permits
     from aioduco.supervision.supervisor import Supervisor
-    from aioduco.supervision.task_command import Aim
     from aioduco.supervision.task_follower import TaskFollower
-    from aioduco.supervision.task_state import JointEta
 
 
 T = TypeVar("T")

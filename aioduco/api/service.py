@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING
 from aioduco._wire.rpc import calls
 from aioduco.api.section import Section
 from aioduco.models import ranges
-from aioduco.models.state import vector
+from aioduco.models.state import Vector, vector
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from aioduco.models.rules import Real, VectorLike, Whole
-    from aioduco.models.state import Vector
 
 
 class Service(Section):

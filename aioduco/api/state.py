@@ -10,11 +10,10 @@ from aioduco.api.section import Section
 from aioduco.models import ranges
 from aioduco.models.enums import TaskState
 from aioduco.models.samples import joints, pose
-from aioduco.models.state import vector
+from aioduco.models.state import IOStatus, RobotStates, RobotStatus, Vector, vector
 
 if TYPE_CHECKING:
     from aioduco.models.pose import Joints, Pose
-    from aioduco.models.state import IOStatus, RobotStates, RobotStatus, Vector
 
 
 class State(Section):

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from aioduco._wire.rpc import calls
 from aioduco.api.section import Section, check_finished, checked_task_id
 from aioduco.errors import ConnectError, ConnectionLost, RobotStateError
 from aioduco.models import ranges
-from aioduco.models.enums import RobotState, TaskState
+from aioduco.models.enums import OperationMode, RobotState, TaskState
 from aioduco.supervision.concurrency import every
-
-if TYPE_CHECKING:
-    from aioduco.models.enums import OperationMode
-
 
 #: how often a controller that starts anew is asked [s]
 _LOOK_EVERY: Final = 0.1

@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from aioduco._process.platform import boot_time
-from aioduco._wire.rpc import calls
+from aioduco._wire.rpc import WireCall, calls
 from aioduco.api.points import points_with_outputs
 from aioduco.api.section import Section, check_finished
 from aioduco.api.streams.track import TrackStreams
 from aioduco.errors import DucoError, OutcomeUnknown, RobotStateError, TaskStopped, TrackPoolFull
 from aioduco.models import ranges
-from aioduco.models.pose import Joints, Pose
+from aioduco.models.pose import Joints, JointsLike, Pose, PoseLike
 from aioduco.supervision.gate import PermitEnding
 from aioduco.supervision.motion_sources import TRACK_POOL
 from aioduco.supervision.permits import asked_at_call
@@ -21,9 +21,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from aioduco._wire.rpc import WireCall
     from aioduco.models.op import PointOp
-    from aioduco.models.pose import JointsLike, PoseLike
     from aioduco.models.rules import Real
     from aioduco.streaming.endpoint import StreamEndpoint
     from aioduco.supervision.command import MotionCommand

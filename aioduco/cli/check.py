@@ -11,8 +11,7 @@ import typer
 from aioduco.cli.addresses import CellFile, Port, RobotAddress, robot_at
 from aioduco.cli.cell_file import is_cell, load_cell
 from aioduco.cli.exit_codes import ended_by_errors, write_file, writing
-from aioduco.cli.number_lists import numbers
-from aioduco.cli.options import refuse_unused, require_writable
+from aioduco.cli.options import numbers, refuse_unused, require_writable
 from aioduco.cli.output import plain, say
 from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.status import look

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 import typer
 
 from aioduco.cli.exit_codes import fail
-from aioduco.cli.number_lists import mounting_option, numbers
-from aioduco.cli.options import refuse_unused
+from aioduco.cli.options import mounting_option, numbers, refuse_unused
 from aioduco.cli.output import say
 from aioduco.models.whole_files import whole_file, write_whole
 
@@ -141,7 +140,7 @@ def export(
             own = shutil.which("aioduco", path=sysconfig.get_path("scripts")) or "aioduco"
             files = launch_package(*arms, name=called, command=own, **looks)
             if moveit:
-                from aioduco.integrations.ros.ros1.moveit_package import (  # noqa: PLC0415 - as above
+                from aioduco.integrations.ros.ros1.launch_package import (  # noqa: PLC0415 - as above
                     moveit_package,
                 )
 

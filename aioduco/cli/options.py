@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import enum
 import os
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,6 +15,8 @@ from aioduco.models.address import WrongAddress
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from aioduco.kinematics.mounting import MountingLike
 
 
 #: settings of a command with numbers among its arguments: a negative one is no option
@@ -35,7 +38,7 @@ ToolFile: TypeAlias = Annotated[
     Path | None,
     typer.Option(exists=True, dir_okay=False, help="MJCF file: what the flange carries."),
 ]
-#: a text; `number_lists.mounting_option` reads it
+#: a text; `mounting_option` reads it
 MountingOption: TypeAlias = Annotated[
     str, typer.Option(help="floor, wall, ceiling, or the base's x,y,z,rx,ry,rz [m, rad].")
 ]
@@ -113,3 +116,47 @@ def refuse_unused(context: typer.Context, use: str, *names: str) -> None:
             options = (each for each in parameter.opts if each.startswith("--"))
             hint = next(options, name.upper())
             raise typer.BadParameter(f"it is for {use}", param_hint=hint)
+
+
+class Mounting(enum.StrEnum):
+    """Where the arm is mounted."""
+
+    FLOOR = "floor"
+    WALL = "wall"
+    CEILING = "ceiling"
+
+
+def numbers(option: str, text: str, count: int) -> list[float]:
+    """Numbers with commas between them.
+
+    Args:
+        option: name of the option, for the error.
+        text: its value.
+        count: how many numbers it must have.
+
+    Raises:
+        BadParameter: it is something else.
+    """
+    try:
+        values = [float(each) for each in text.split(",")]
+    except ValueError:
+        values = []
+    if len(values) != count:
+        raise typer.BadParameter(
+            f"{option} is {text!r}, but must be {count} numbers with commas between them"
+        )
+    return values
+
+
+def mounting_option(text: str) -> MountingLike:
+    """The mounting that an option names, or the pose that it gives.
+
+    Raises:
+        BadParameter: it is neither a name nor six numbers.
+    """
+    if "," in text:
+        return numbers("mounting", text, 6)
+    if text not in tuple(Mounting):
+        names = ", ".join(Mounting)
+        raise typer.BadParameter(f"mounting is {text!r}, but must be {names} or six numbers")
+    return Mounting(text).value

@@ -13,8 +13,7 @@ from aioduco.cli.addresses import CellFile, Host, Port, robot_at
 from aioduco.cli.cell_file import is_cell, load_cell
 from aioduco.cli.exit_codes import USAGE, ended_by_errors, fail
 from aioduco.cli.extras import arm as arm_named
-from aioduco.cli.number_lists import Mounting
-from aioduco.cli.options import Json, Yes, wrong_option
+from aioduco.cli.options import Json, Mounting, Yes, wrong_option
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import SAFE, ask, typed_line
 from aioduco.cli.sessions import control_session

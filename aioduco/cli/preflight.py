@@ -12,12 +12,12 @@ from aioduco.cli import extras
 from aioduco.cli.addresses import CellFile
 from aioduco.cli.cell_file import RobotName, simulated_parts
 from aioduco.cli.exit_codes import fail, write_file
-from aioduco.cli.number_lists import mounting_option
 from aioduco.cli.options import (
     MountingOption,
     Pedestal,
     SceneFile,
     ToolFile,
+    mounting_option,
     refuse_unused,
     require_writable,
 )

@@ -13,8 +13,14 @@ from aioduco.cli import extras, picture, watching
 from aioduco.cli.addresses import CellFile
 from aioduco.cli.cell_file import RobotName, simulated_parts
 from aioduco.cli.exit_codes import USAGE, fail, failing
-from aioduco.cli.number_lists import mounting_option
-from aioduco.cli.options import MountingOption, Pedestal, SceneFile, ToolFile, require_writable
+from aioduco.cli.options import (
+    MountingOption,
+    Pedestal,
+    SceneFile,
+    ToolFile,
+    mounting_option,
+    require_writable,
+)
 from aioduco.cli.output import say
 from aioduco.cli.signals import wakeup_socket
 from aioduco.cli.sim_do import control_port_of

@@ -15,10 +15,10 @@ import typer
 from aioduco.cli import extras
 from aioduco.cli.addresses import Host, Port, RobotAddress, robot_at
 from aioduco.cli.exit_codes import SIGNALLED, ended_by_errors, fail
-from aioduco.cli.number_lists import mounting_option
 from aioduco.cli.options import (
     Duration,
     MountingOption,
+    mounting_option,
     refuse_unused,
     require_readable,
     require_writable,

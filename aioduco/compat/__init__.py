@@ -23,7 +23,7 @@ import inspect
 import numbers
 import threading
 import warnings
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import aioduco._wire.thrift  # noqa: F401 - the first call is not to wait for it
 from aioduco import __version__
@@ -56,7 +56,6 @@ from aioduco.errors import ConnectError, ConnectionLost, DucoError, ParameterErr
 if TYPE_CHECKING:
     from collections.abc import Callable
     from types import TracebackType
-    from typing import Self
 
 __all__ = [
     "OP",

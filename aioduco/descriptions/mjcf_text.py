@@ -11,17 +11,15 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from aioduco.descriptions.collisions import disabled_pairs
-from aioduco.descriptions.tree import STATES, WORLD
+from aioduco.descriptions.tree import STATES, WORLD, ArmTree, JointDescription, LinkDescription
 from aioduco.descriptions.xml_text import bounds, pretty, rgba
-from aioduco.kinematics.looks import COLOURS, merged
+from aioduco.kinematics.looks import COLOURS, Look, merged
 from aioduco.kinematics.mjcf_elements import drive, inertial, numbers, placed, shape, surround
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from pathlib import Path
 
-    from aioduco.descriptions.tree import ArmTree, JointDescription, LinkDescription
-    from aioduco.kinematics.looks import Look
     from aioduco.models.rotation import Array
 
 

@@ -7,13 +7,11 @@ from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
 
 from aioduco.descriptions.collisions import LinkPair, disabled_pairs
-from aioduco.descriptions.tree import STATES
+from aioduco.descriptions.tree import STATES, ArmTree
 from aioduco.descriptions.xml_text import numbers, pretty
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-
-    from aioduco.descriptions.tree import ArmTree
 
 
 GROUP = "manipulator"

@@ -8,7 +8,7 @@ from aioduco.descriptions.meshes import find_meshes, own_meshes, stl
 from aioduco.descriptions.mjcf_text import mjcf_text
 from aioduco.descriptions.moveit_files import RosDistro, moveit_files
 from aioduco.descriptions.srdf_text import GROUP, srdf_text
-from aioduco.descriptions.tree import WORD, ArmDescription
+from aioduco.descriptions.tree import WORD, ArmDescription, ArmTree
 from aioduco.descriptions.urdf_text import urdf_text
 from aioduco.errors import ParameterError
 from aioduco.kinematics.arm import Arm
@@ -17,8 +17,6 @@ from aioduco.models.words import one_of
 
 if TYPE_CHECKING:
     import os
-
-    from aioduco.descriptions.tree import ArmTree
 
 
 ArmLike: TypeAlias = str | Arm | ArmDescription

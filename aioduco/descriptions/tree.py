@@ -12,20 +12,17 @@ import numpy as np
 from aioduco.errors import ParameterError
 from aioduco.kinematics.bodies import Capsule, bodies, cylinder_inertia
 from aioduco.kinematics.catalogue import arm_given
-from aioduco.kinematics.looks import looks
-from aioduco.kinematics.mounting import base_in_world
+from aioduco.kinematics.looks import Look, looks
+from aioduco.kinematics.mounting import MountingLike, base_in_world
 from aioduco.models import ranges
 from aioduco.models.pose import Joints, Pose, PoseLike
-from aioduco.models.rotation import transform
+from aioduco.models.rotation import Array, transform
 from aioduco.models.rules import Number, Vector, stored
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from aioduco.kinematics.arm import Arm
-    from aioduco.kinematics.looks import Look
-    from aioduco.kinematics.mounting import MountingLike
-    from aioduco.models.rotation import Array
 
 
 WORLD = "world"

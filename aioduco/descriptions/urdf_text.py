@@ -12,17 +12,14 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from aioduco.descriptions.tree import WORLD
+from aioduco.descriptions.tree import WORLD, ArmTree, JointDescription, LinkDescription
 from aioduco.descriptions.xml_text import bounds, numbers, pretty, rgba
 from aioduco.kinematics.bodies import Capsule
 from aioduco.kinematics.looks import COLOURS
-from aioduco.models.rotation import rpy_from_matrix
+from aioduco.models.rotation import Array, rpy_from_matrix
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
-
-    from aioduco.descriptions.tree import ArmTree, JointDescription, LinkDescription
-    from aioduco.models.rotation import Array
 
 
 def urdf_text(name: str, trees: Sequence[ArmTree], meshes: Mapping[str, Mapping[str, str]]) -> str:

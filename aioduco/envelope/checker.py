@@ -19,12 +19,10 @@ from operator import sub
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from aioduco.envelope.limits import BODIES, Crossing
-from aioduco.envelope.zones import BodyZonePairs, CheckedZone
+from aioduco.envelope.zones import BodyZonePairs, CheckedZone, Point
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
-
-    from aioduco.envelope.zones import Point
 
 
 Tip: TypeAlias = "Sequence[float]"

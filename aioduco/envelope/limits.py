@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias, get_args
 from aioduco.errors import Described, ParameterError
 from aioduco.models.pose import Joints
 from aioduco.models.ranges import FINITE, OWN_NAME_OR_NONE
-from aioduco.models.rules import Number
+from aioduco.models.rules import Number, VectorLike
 from aioduco.models.rules.lists import ordered
 from aioduco.models.rules.scalars import FARTHEST
 from aioduco.models.words import one_of
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from aioduco.kinematics import Arm
-    from aioduco.models.rules import VectorLike
 
 __all__ = [
     "BODIES",

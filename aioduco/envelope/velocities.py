@@ -18,13 +18,12 @@ from aioduco.envelope.checker import STOPPING
 from aioduco.envelope.ways import Start, Way, joint_way, line_way
 from aioduco.kinematics.forward import jacobian
 from aioduco.models.jog import JogFrame
-from aioduco.models.rotation import matrix_from_rotvec
+from aioduco.models.rotation import Array, matrix_from_rotvec
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from aioduco.kinematics import Arm
-    from aioduco.models.rotation import Array
 
 
 VELOCITIES = ("speedj", "speedl", "move_jog")

@@ -17,7 +17,7 @@ import numpy as np
 
 from aioduco.errors import Unreachable
 from aioduco.models.pose import Pose
-from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix
+from aioduco.models.rotation import Array, matrix_from_rotvec, rotvec_from_matrix
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from aioduco.envelope.checker import EnvelopeChecker
     from aioduco.envelope.limits import Crossing
     from aioduco.kinematics import Arm
-    from aioduco.models.rotation import Array
 
     Config = tuple[float, ...]
     #: function that returns the poses of the tip at shares of a path, shape (n, 4, 4); and the

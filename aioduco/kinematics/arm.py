@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -18,7 +18,6 @@ from aioduco.models.rules import Number, Vector, stored
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import Any
 
     from aioduco.models.rotation import Array
 

@@ -14,12 +14,11 @@ from aioduco.errors import ParameterError, Unreachable
 from aioduco.kinematics.catalogue import arm_given
 from aioduco.kinematics.forward import singular_values
 from aioduco.models.bounds import least, most, shown
-from aioduco.models.pose import Joints, Pose
+from aioduco.models.pose import Joints, JointsLike, Pose, PoseLike
 from aioduco.models.rules import Number
 
 if TYPE_CHECKING:
     from aioduco.kinematics.arm import Arm
-    from aioduco.models.pose import JointsLike, PoseLike
 
 
 _MOST_TURN = Number(0.0, unit="rad", open_low=True, source="this package")

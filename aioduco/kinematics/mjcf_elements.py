@@ -9,14 +9,11 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from aioduco.kinematics.bodies import ROTOR
-from aioduco.models.rotation import quaternion_from_matrix
+from aioduco.kinematics.bodies import ROTOR, Capsule
+from aioduco.models.rotation import Array, quaternion_from_matrix
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
-
-    from aioduco.kinematics.bodies import Capsule
-    from aioduco.models.rotation import Array
 
 
 _FREQUENCY = 2 * math.pi * 25  # natural frequency of a drive that moves only its own rotor [rad/s]

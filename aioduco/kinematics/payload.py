@@ -17,7 +17,7 @@ from aioduco.kinematics.measured import bound, rigid_frames
 from aioduco.kinematics.mounting import GRAVITY
 from aioduco.models.load import Load
 from aioduco.models.numpy_on_use import number_array
-from aioduco.models.rules import Number, Vector
+from aioduco.models.rules import Number, Vector, VectorLike
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from aioduco.kinematics.arm import Arm
     from aioduco.models.pose import JointsLike, PoseLike
     from aioduco.models.rotation import Array
-    from aioduco.models.rules import VectorLike
 
 
 MIN_POSES = 6

@@ -13,12 +13,11 @@ import numpy as np
 
 from aioduco.errors import CalibrationError, Described, ParameterError
 from aioduco.kinematics.measured import bound, rigid_frames
-from aioduco.models.pose import Pose
+from aioduco.models.pose import Pose, PoseLike
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from aioduco.models.pose import PoseLike
     from aioduco.models.rotation import Array
 
 

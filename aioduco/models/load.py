@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from aioduco.errors import ParameterError
-from aioduco.models.pose import Pose
-
-if TYPE_CHECKING:
-    from aioduco.models.pose import PoseLike
+from aioduco.models.pose import Pose, PoseLike
 
 
 class Load(NamedTuple):

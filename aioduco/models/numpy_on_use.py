@@ -9,13 +9,11 @@ import importlib
 import numbers
 import sys
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeGuard
 
 from aioduco.errors import Described, ParameterError
 
 if TYPE_CHECKING:
-    from typing import TypeGuard
-
     import numpy as np
     from numpy.typing import NDArray
 else:

@@ -8,17 +8,14 @@ Times are seconds and distances metres here; the wire has milliseconds.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import Literal, TypeAlias
 
 from aioduco._wire import rpc
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.pose import Joints, Pose, PoseLike
-from aioduco.models.rules import Integer, Number
+from aioduco.models.rules import Integer, Number, Real, Whole
 from aioduco.models.rules.scalars import LONGEST_ARM
-
-if TYPE_CHECKING:
-    from aioduco.models.rules import Real, Whole
 
 __all__ = [
     "ControllerEvent",

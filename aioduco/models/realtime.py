@@ -4,15 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import pi
-from typing import TYPE_CHECKING
 
 from aioduco._wire import rpc
 from aioduco.models.named_int import NamedInt
-from aioduco.models.rules import Choice, JointsRule, Number, PoseRule, Vector
-
-if TYPE_CHECKING:
-    from aioduco.models.rules import VectorLike
-
+from aioduco.models.rules import Choice, JointsRule, Number, PoseRule, Vector, VectorLike
 
 _SOURCE = "1.3.15"
 _JOINTS = JointsRule(source=_SOURCE)

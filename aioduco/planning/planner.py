@@ -48,17 +48,13 @@ class _Request:
         self.problem, self.scene = problem, scene
         self._lock = threading.Lock()
         self._process: LinkedProcess | None = None
-        self._cancelled = False
-
-    @property
-    def cancelled(self) -> bool:
-        """Whether nobody waits for the answer any more."""
-        return self._cancelled
+        #: whether nobody waits for the answer any more
+        self.cancelled: bool = False
 
     def cancel(self) -> None:
         """Cancel it; this kills the process if it is at this problem."""
         with self._lock:
-            self._cancelled = True
+            self.cancelled = True
             if self._process is not None:
                 self._process.popen.kill()
 
@@ -66,7 +62,7 @@ class _Request:
         """From now on the process is at this problem."""
         with self._lock:
             self._process = process
-            if self._cancelled:
+            if self.cancelled:
                 process.popen.kill()
 
     def finish(self) -> None:

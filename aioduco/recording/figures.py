@@ -16,7 +16,7 @@ import numpy as np
 
 from aioduco.errors import MissingExtra, ParameterError
 from aioduco.models.whole_files import whole_file, write_whole
-from aioduco.recording.foreign import of_any_maker
+from aioduco.recording.run import RecordedRun, of_any_maker
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
-
-    from aioduco.recording.run import RecordedRun
 
 
 #: maximum points of a curve on a page; of more points, the lowest and the highest of each stretch

@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import math
 from contextlib import contextmanager, suppress
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
 
-from aioduco.errors import MissingExtra, ParameterError, RecordingError
+from aioduco.errors import DucoError, MissingExtra, ParameterError, RecordingError
 from aioduco.models.ranges import FILE, FOLDER
 from aioduco.recording.container import McapFile, McapMessage
 from aioduco.recording.protobuf import DECODERS
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from numpy.typing import NDArray
@@ -317,3 +318,27 @@ def _table(values: Sequence[list[Any] | None]) -> NDArray[Any] | None:
         return np.array(rows, dtype=float)
     except OverflowError:  # as above
         return None
+
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+#: what content raises that is not as the channel's format says
+_UNREADABLE = (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError)
+
+
+def of_any_maker(function: Callable[P, T]) -> Callable[P, T]:
+    """A function that reads contents of a recording; it raises `RecordingError` if it cannot."""
+
+    @functools.wraps(function)
+    def reading(*args: P.args, **kwargs: P.kwargs) -> T:
+        try:
+            return function(*args, **kwargs)
+        except DucoError:
+            raise
+        except _UNREADABLE as error:
+            raise RecordingError(
+                f"the recording's channels are not as aioduco writes them: {error!r:.300}"
+            ) from error
+
+    return reading

@@ -18,8 +18,7 @@ from aioduco.sim.force.control import ForceControl
 from aioduco.sim.force.sensor import SensorNoise
 from aioduco.sim.handlers import Handlers
 from aioduco.sim.handlers.base import HandlerContext
-from aioduco.sim.handlers.generations import NewerHandlers, OlderHandlers
-from aioduco.sim.handlers.single_precision import in_single_precision
+from aioduco.sim.handlers.generations import NewerHandlers, OlderHandlers, in_single_precision
 from aioduco.sim.physics.drives import TrailingDrives
 from aioduco.sim.physics.world import World
 from aioduco.sim.planner.blending import CornerLaw, Corners
@@ -42,9 +41,9 @@ if TYPE_CHECKING:
     from aioduco.sim.cabinet import Cabinet
     from aioduco.sim.cabinet.axis_schemes import SimulatedExternalAxes
     from aioduco.sim.controller.signal_rules import SignalRules
-    from aioduco.sim.forgiving import Forgiving
     from aioduco.sim.physics.gripper import Hand
     from aioduco.sim.profile import ArmProfile
+    from aioduco.sim.refusal import Forgiving
 
 
 _HANDLERS: dict[Generation, type[Handlers]] = {"3.8": Handlers, "4.3": NewerHandlers}

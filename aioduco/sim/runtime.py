@@ -27,7 +27,7 @@ from aioduco.models.rules import condition_holds
 from aioduco.sim.batches import Batches
 from aioduco.sim.clock import CycleSchedule, LoopStatistics, LoopTimes, checked_speed
 from aioduco.sim.cycle import DriveCommand, Plant, SensedState
-from aioduco.sim.physics.temperature import Temperatures
+from aioduco.sim.physics.drives import Temperatures
 from aioduco.sim.planner.path import JointSetPoint
 from aioduco.sim.planning import PlanningThreads
 from aioduco.sim.plant_changes import PlantChanges

@@ -33,11 +33,11 @@ from aioduco.sim.cabinet.axis_schemes import SimulatedExternalAxes
 from aioduco.sim.cabinet.values import SystemValues
 from aioduco.sim.clock import LoopStatistics, checked_speed
 from aioduco.sim.controller.signal_rules import SignalRule, SignalRules
-from aioduco.sim.forgiving import Forgiving
 from aioduco.sim.operator_actions import OperatorActions
 from aioduco.sim.part_faults import PartFaults
 from aioduco.sim.physics.parts import pose_of
 from aioduco.sim.profile import ArmProfile
+from aioduco.sim.refusal import Forgiving
 from aioduco.sim.runtime import SimulatedClock
 from aioduco.sim.scene import MountingLike, SceneLike, mjcf_of, mounting_of
 from aioduco.sim.server.generations import GENERATIONS, Generation

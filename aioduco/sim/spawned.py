@@ -11,8 +11,8 @@ import sys
 from typing import TYPE_CHECKING, Any
 
 from aioduco._process.linked_process import ValueChannel
+from aioduco.sim.process import unpacked
 from aioduco.sim.simulator import Simulator
-from aioduco.sim.spawn_options import unpacked
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

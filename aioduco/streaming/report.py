@@ -6,18 +6,15 @@ import json
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from aioduco.models.whole_files import write_whole
-from aioduco.streaming.shared.block import HISTOGRAMS
+from aioduco.streaming.shared.block import HISTOGRAMS, Block
 from aioduco.streaming.shared.histogram import Percentiles
-from aioduco.streaming.shared.words import StatusWord, Unmet
+from aioduco.streaming.shared.words import Reason, StatusWord, StreamState, Unmet
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
     from rich.table import Table
-
-    from aioduco.streaming.shared.block import Block
-    from aioduco.streaming.shared.words import Reason, StreamState
 
 
 #: what each histogram measures

@@ -10,12 +10,10 @@ import numpy as np
 from aioduco.errors import Described, ParameterError
 from aioduco.models.numpy_on_use import number_array
 from aioduco.models.rules.scalars import LONGEST
-from aioduco.streaming.shared.space import PoseSpace
+from aioduco.streaming.shared.space import PoseSpace, Space
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-    from aioduco.streaming.shared.space import Space
 
 
 #: largest number of set-points of one trajectory: 5.5 hours at 500 Hz, half a gigabyte

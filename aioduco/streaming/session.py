@@ -41,7 +41,7 @@ from aioduco.streaming.shared.block import Block
 from aioduco.streaming.shared.words import ControlWord, Reason, StatusWord, StreamState
 from aioduco.streaming.worker.main import run_in_thread
 from aioduco.supervision.concurrency import BackgroundTasks, every, run_to_completion
-from aioduco.supervision.gate import PermitEnding
+from aioduco.supervision.gate import Permit, PermitEnding
 from aioduco.supervision.loop_watchdog import keep_alives
 from aioduco.supervision.motion_sources import OpenStream
 
@@ -50,7 +50,6 @@ if TYPE_CHECKING:
 
     from aioduco.streaming.endpoint import StreamEndpoint
     from aioduco.streaming.shared.config import WorkerConfig
-    from aioduco.supervision.gate import Permit
 
 
 _HALTED = 2.0  # seconds within which a halted worker must end

@@ -9,24 +9,21 @@ import anyio.lowlevel
 
 from aioduco._process.copying import Uncopied
 from aioduco.errors import ParameterError, SetPointTooFar
-from aioduco.models.rules import Number
+from aioduco.models.rules import Number, VectorLike
 from aioduco.streaming.sampling import sampled
 from aioduco.streaming.session import Session
-from aioduco.streaming.shared.config import WorkerConfig
+from aioduco.streaming.shared.config import StreamSpec, WorkerConfig
 from aioduco.streaming.shared.options import MOST_ACTIONS, checked, rate_rule
 from aioduco.streaming.shared.space import too_far
-from aioduco.streaming.shared.words import ActionTag
+from aioduco.streaming.shared.words import ActionTag, Reason, StreamState
 from aioduco.streaming.ticks import Tick, Ticks
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterable, AsyncIterator, Callable, Iterable, Sequence
 
-    from aioduco.models.rules import VectorLike
     from aioduco.streaming.endpoint import StreamEndpoint
     from aioduco.streaming.report import StreamStatistics
-    from aioduco.streaming.shared.config import StreamSpec
     from aioduco.streaming.shared.options import Feeding, WorkerOptions
-    from aioduco.streaming.shared.words import Reason, StreamState
 
 __all__ = ["Stream", "Tick"]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Self
 
 import anyio
 
@@ -10,7 +10,6 @@ from aioduco.models.ranges import TIMEOUT
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import Self
 
 
 class Tick(NamedTuple):

@@ -9,22 +9,18 @@ from typing import TYPE_CHECKING, Any, get_args
 from aioduco._process import trial
 from aioduco._process.copying import Uncopied
 from aioduco.errors import MotionCarriedOut, ParameterError
-from aioduco.models.enums import Outcome
+from aioduco.models.enums import Outcome, TaskState
 from aioduco.models.ranges import TIMEOUT as SECONDS
 from aioduco.models.words import one_of
-from aioduco.supervision.permits import asked_at_call
-from aioduco.supervision.task import OnCancel
-from aioduco.supervision.task_command import blocking, shown
+from aioduco.supervision.permits import Permits, asked_at_call
+from aioduco.supervision.task import OnCancel, Task
+from aioduco.supervision.task_command import Command, blocking, shown
 
 if TYPE_CHECKING:
     from collections.abc import Generator, Iterable
 
     from aioduco._wire.lane import WireLane
-    from aioduco.models.enums import TaskState
     from aioduco.supervision.dispatcher import Dispatcher
-    from aioduco.supervision.permits import Permits
-    from aioduco.supervision.task import Task
-    from aioduco.supervision.task_command import Command
 
 
 class MotionCommand(Uncopied):

@@ -31,7 +31,7 @@ import asyncio
 import threading
 import time
 from queue import SimpleQueue
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 import anyio
 
@@ -41,7 +41,6 @@ from aioduco._wire.owner_loop import loop_callback
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Coroutine
-    from typing import Self
 
 
 #: time between two moments of `on_grid` [s]

@@ -16,33 +16,29 @@ from __future__ import annotations
 import contextlib
 import time
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import anyio
 import anyio.lowlevel
 
 from aioduco._process.platform import boot_time
 from aioduco.errors import RobotStateError
-from aioduco.models.enums import TaskState
+from aioduco.models.enums import Outcome, TaskState
 from aioduco.supervision.concurrency import every, run_to_completion
 from aioduco.supervision.stop_channel import refusal
-from aioduco.supervision.stop_coordinator import taken
-from aioduco.supervision.task import Task
+from aioduco.supervision.stop_coordinator import StopCoordinator, taken
+from aioduco.supervision.task import OnCancel, Task
 from aioduco.supervision.task_command import Command
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Sequence
-    from typing import Any
 
     from aioduco._wire.channel import LaneCall
     from aioduco._wire.lane import WireLane
-    from aioduco.models.enums import Outcome
     from aioduco.supervision.gate import Permit
     from aioduco.supervision.motion_sources import ModeEnding
     from aioduco.supervision.permits import Permits
     from aioduco.supervision.settings import RobotSettings
-    from aioduco.supervision.stop_coordinator import StopCoordinator
-    from aioduco.supervision.task import OnCancel
 
 
 #: seconds between two checks whether the program may still be moving the arm

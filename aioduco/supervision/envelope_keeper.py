@@ -18,7 +18,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from aioduco._process import trial
-from aioduco.envelope.checker import BESIDE
+from aioduco.envelope.checker import BESIDE, EnvelopeChecker
 from aioduco.envelope.limits import Crossing, Envelope, ToolForce
 from aioduco.errors import ControllerError, EnvelopeViolated, ParameterError
 from aioduco.models.samples import joints as joints_of
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from aioduco._wire.rpc import AsyncRpc
-    from aioduco.envelope.checker import EnvelopeChecker
     from aioduco.envelope.ways import Way
     from aioduco.models.pose import Pose
     from aioduco.supervision.envelope_watch import EnvelopeWatch

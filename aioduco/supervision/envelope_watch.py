@@ -25,8 +25,8 @@ from aioduco.envelope.limits import Crossing, Envelope, ToolForce
 from aioduco.errors import DucoError, EnvelopeViolated, StaleState
 from aioduco.models.controller_clock import release_nothing
 from aioduco.models.samples import pose as pose_of
-from aioduco.supervision.concurrency import Silence, every
-from aioduco.supervision.events import EnvelopeLeft, EnvelopeUnwatched
+from aioduco.supervision.concurrency import BackgroundTasks, Silence, every
+from aioduco.supervision.events import EnvelopeLeft, EnvelopeUnwatched, Event, Events
 from aioduco.supervision.gate import PermitEnding
 
 if TYPE_CHECKING:
@@ -35,8 +35,6 @@ if TYPE_CHECKING:
     from aioduco._wire.rpc import AsyncRpc
     from aioduco.envelope.velocities import Ahead
     from aioduco.models.pose import Pose
-    from aioduco.supervision.concurrency import BackgroundTasks
-    from aioduco.supervision.events import Event, Events
     from aioduco.supervision.settings import RobotSettings
     from aioduco.supervision.state_feed import Snapshot, StateFeed
     from aioduco.supervision.stop_coordinator import StopCoordinator

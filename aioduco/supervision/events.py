@@ -10,19 +10,16 @@ from typing import TYPE_CHECKING, ClassVar, Final, Literal, TypeAlias
 from aioduco._process import trial
 from aioduco._process.copying import Uncopied
 from aioduco.errors import DucoError, RobotStateError
-from aioduco.models.enums import SafetyState
-from aioduco.supervision.concurrency import every
-from aioduco.supervision.state_feed import Policy, Subscription
+from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState
+from aioduco.supervision.concurrency import BackgroundTasks, every
+from aioduco.supervision.state_feed import Policy, Snapshot, StateFeed, Subscription
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from aioduco._wire.lane import WireLane
     from aioduco.envelope.limits import Crossing
-    from aioduco.models.enums import OperationMode, ProgramState, RobotState
-    from aioduco.supervision.concurrency import BackgroundTasks
     from aioduco.supervision.heartbeat import HeartbeatState
-    from aioduco.supervision.state_feed import Snapshot, StateFeed
 
 __all__ = [
     "CollisionDetected",

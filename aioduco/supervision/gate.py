@@ -32,12 +32,10 @@ import math
 from enum import Enum
 from typing import TYPE_CHECKING
 
-from aioduco.errors import HeartbeatLost, RobotStateError, StopUnconfirmed, TaskStopped
+from aioduco.errors import DucoError, HeartbeatLost, RobotStateError, StopUnconfirmed, TaskStopped
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
-
-    from aioduco.errors import DucoError
 
 
 #: seconds for which an arm must be seen to stand until a resumed motion counts as over: it may not

@@ -18,13 +18,11 @@ from aioduco._process.platform import boot_time
 from aioduco._process.reporting import BackgroundLogger
 from aioduco._wire.forks import fork_hooks
 from aioduco.errors import GuardLost
-from aioduco.supervision.concurrency import every
+from aioduco.supervision.concurrency import Ticker, every
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from types import FrameType
-
-    from aioduco.supervision.concurrency import Ticker
 
 
 _log = BackgroundLogger(__name__)

@@ -9,7 +9,7 @@ Guarantees:
 from __future__ import annotations
 
 from collections import deque
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 from aioduco._process import trial
 from aioduco._process.copying import Uncopied
@@ -17,8 +17,6 @@ from aioduco.errors import DucoError, ParameterError, RobotStateError
 from aioduco.supervision.command import MotionCommand
 
 if TYPE_CHECKING:
-    from typing import Self
-
     from aioduco.models.enums import Outcome
     from aioduco.supervision.dispatcher import Dispatcher
     from aioduco.supervision.gate import Permit

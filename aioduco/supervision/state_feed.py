@@ -14,7 +14,7 @@ import time
 from collections import deque
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Generic, Literal, NamedTuple, TypeAlias, TypeVar, get_args
+from typing import TYPE_CHECKING, Generic, Literal, NamedTuple, Self, TypeAlias, TypeVar, get_args
 
 import anyio
 
@@ -27,16 +27,14 @@ from aioduco.models.rules import Integer, condition_holds
 from aioduco.models.similar import MisspeltRefused
 from aioduco.models.state import ForceStatus, IOStatus, RobotStates, RobotStatus, Sample
 from aioduco.models.words import one_of
-from aioduco.supervision.concurrency import Alarm, every, on_grid
+from aioduco.supervision.concurrency import Alarm, BackgroundTasks, every, on_grid
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
-    from typing import Self
 
     from aioduco._wire.lane import WireLane
     from aioduco._wire.owner_loop import OwnerLoop
     from aioduco.models.samples import Samples
-    from aioduco.supervision.concurrency import BackgroundTasks
 
 
 _SIZE = Integer(1, 2**31 - 1, source="this package")

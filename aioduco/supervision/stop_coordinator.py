@@ -29,11 +29,11 @@ from aioduco.errors import (
     UnknownFunction,
 )
 from aioduco.models.enums import Outcome, ProgramState, TaskState
-from aioduco.supervision.concurrency import every, run_to_completion
-from aioduco.supervision.gate import PermitEnding
-from aioduco.supervision.motion_sources import Modes
+from aioduco.supervision.concurrency import BackgroundTasks, every, run_to_completion
+from aioduco.supervision.gate import Gate, Permit, PermitEnding
+from aioduco.supervision.motion_sources import ModeEnding, Modes, OpenStream
 from aioduco.supervision.rest import bring_to_rest
-from aioduco.supervision.stop_channel import refusal
+from aioduco.supervision.stop_channel import StopChannel, refusal
 from aioduco.supervision.task_command import Command
 from aioduco.supervision.task_follower import END_LIMIT, TaskFollower
 from aioduco.supervision.unanswered import UnansweredMotion
@@ -43,13 +43,9 @@ if TYPE_CHECKING:
 
     from aioduco._wire.channel import LaneCall
     from aioduco._wire.lane import WireLane
-    from aioduco.supervision.concurrency import BackgroundTasks
-    from aioduco.supervision.gate import Gate, Permit
     from aioduco.supervision.loop_watchdog import Liveness
-    from aioduco.supervision.motion_sources import ModeEnding, OpenStream
     from aioduco.supervision.permits import Permits
     from aioduco.supervision.settings import RobotSettings
-    from aioduco.supervision.stop_channel import StopChannel
     from aioduco.supervision.task import Task
 
 

@@ -29,7 +29,7 @@ from aioduco._process.reporting import FLUSH_LIMIT, BackgroundLogger, reporter
 from aioduco._process.spawn import started_in_place_of
 from aioduco._wire.endpoint import Endpoint, Route
 from aioduco._wire.failures import resource_error
-from aioduco._wire.lane import WireLane
+from aioduco._wire.lane import LaneStatistics, WireLane
 from aioduco._wire.own_connection import OwnConnection
 from aioduco._wire.owner_loop import OwnerLoop, loop_callback
 from aioduco._wire.way_out import WAY_OUT, prepare
@@ -65,7 +65,6 @@ from aioduco.supervision.stop_coordinator import StopCoordinator
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterator
 
-    from aioduco._wire.lane import LaneStatistics
     from aioduco._wire.rpc import AsyncRpc
     from aioduco.models.trace import Trace
     from aioduco.supervision.guard.guarded import GuardClient

@@ -18,17 +18,15 @@ from aioduco.errors import (
     TaskUnknown,
 )
 from aioduco.models.enums import Outcome, TaskState
-from aioduco.supervision.permits import asked_at_call
-from aioduco.supervision.task_state import TaskLifecycle, added_entries
+from aioduco.supervision.permits import Permits, asked_at_call
+from aioduco.supervision.task_state import ContinuousMotion, JointEta, TaskLifecycle, added_entries
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Generator, Sequence
 
     from aioduco.errors import HeartbeatLost
     from aioduco.models.controller_clock import Clock
-    from aioduco.supervision.permits import Permits
     from aioduco.supervision.task_command import Command
-    from aioduco.supervision.task_state import ContinuousMotion, JointEta
 
 
 #: what happens to a motion when its await is cancelled

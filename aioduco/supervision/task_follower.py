@@ -28,7 +28,7 @@ from __future__ import annotations
 import logging
 import time
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import anyio
 
@@ -36,18 +36,16 @@ from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import ControllerError, DucoError, StopUnconfirmed, TaskUnknown
 from aioduco.models.enums import Outcome, TaskState
 from aioduco.models.trace import tell
-from aioduco.supervision.concurrency import GRID, Alarm, on_grid, run_to_completion
+from aioduco.supervision.concurrency import GRID, Alarm, BackgroundTasks, on_grid, run_to_completion
 from aioduco.supervision.task import Task, TaskControl
 from aioduco.supervision.task_command import Command
 from aioduco.supervision.task_state import STOOD, Successor, added_entries
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Sequence
-    from typing import Any
 
     from aioduco._wire.lane import WireLane
     from aioduco.models.controller_clock import Clock
-    from aioduco.supervision.concurrency import BackgroundTasks
 
 _log = BackgroundLogger(__name__)
 

@@ -26,11 +26,7 @@ last, after the time was over, must have failed.
 from __future__ import annotations
 
 import enum
-from typing import TYPE_CHECKING, Final
-
-if TYPE_CHECKING:
-    from typing import Self
-
+from typing import Final, Self
 
 #: time between two polls whether the arm moves [s]
 LOOK_EVERY: Final = 0.01

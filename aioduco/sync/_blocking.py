@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 from aioduco._process.copying import Uncopied
 from aioduco.models.similar import MisspeltRefused
 
 if TYPE_CHECKING:
     from collections.abc import Coroutine
-    from typing import Self
 
     from aioduco.sync._runner import Runner
 

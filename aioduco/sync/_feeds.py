@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from contextlib import contextmanager
-from typing import TYPE_CHECKING, Generic, TypeVar
+from contextlib import AbstractContextManager, contextmanager
+from typing import TYPE_CHECKING, Generic, Self, TypeVar
 
 import anyio
 
@@ -12,8 +12,6 @@ from aioduco.sync._blocking import Blocking
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from contextlib import AbstractContextManager
-    from typing import Self
 
     from aioduco.supervision import state_feed as aio_feed
     from aioduco.sync._runner import Runner

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Concatenate, ParamSpec
+from typing import TYPE_CHECKING, Concatenate, ParamSpec, Self
 
 from aioduco.errors import ParameterError
 from aioduco.sync._generated_objects import GripperCalls
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import Self
 
     from aioduco import robot as aio_robot
     from aioduco.devices.grippers.gripper import PolledGripper

@@ -30,14 +30,13 @@ from aioduco._wire.owner_loop import OwnerLoop
 from aioduco.errors import DucoError, RobotStateError, WrongProcess
 from aioduco.models.ranges import TIMEOUT
 from aioduco.supervision.concurrency import BackgroundTasks, every
-from aioduco.sync._presence import CallTimes
+from aioduco.sync._presence import CallRecord, CallTimes
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Coroutine
 
     from aioduco.robot import Robot
     from aioduco.supervision.task import Task
-    from aioduco.sync._presence import CallRecord
 
 
 _log = BackgroundLogger(__name__)

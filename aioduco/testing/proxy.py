@@ -14,10 +14,9 @@ from aioduco._wire import idl
 from aioduco.errors import ParameterError
 from aioduco.models.ranges import PORT
 from aioduco.models.similar import did_you_mean
-from aioduco.testing.awaited_socket import AwaitedSocket
 from aioduco.testing.faults import Ending, Fault, Script
 from aioduco.testing.records import CallRecord, ConnectionRecord, ProxyStatistics, Records
-from aioduco.testing.relay import Relay, Valve
+from aioduco.testing.relay import AwaitedSocket, Relay, Valve
 
 if TYPE_CHECKING:
     from anyio.abc import TaskGroup, TaskStatus

@@ -12,8 +12,7 @@ import pytest
 
 from aioduco import ParameterError, WorkerFailed
 from aioduco.api.streams.servo import Servo
-from aioduco.cli.monitor import keyboard
-from aioduco.cli.monitor.keyboard import Key
+from aioduco.cli.monitor.onlooker import Key, wait_for_keys
 from aioduco.devices.teleoperation import KeyboardDevice, devices
 from aioduco.streaming import session
 from aioduco.streaming.endpoint import StreamEndpoint
@@ -93,5 +92,5 @@ async def test_keys_of_a_console_that_cannot_be_waited_for(monkeypatch: pytest.M
             return cls.keys.pop(0)
 
     monkeypatch.setitem(sys.modules, "msvcrt", Console)
-    assert await keyboard.wait_for_keys(0) == []
-    assert await keyboard.wait_for_keys(0) == [Key.STOP]
+    assert await wait_for_keys(0) == []
+    assert await wait_for_keys(0) == [Key.STOP]

@@ -7,15 +7,14 @@ import logging
 import pytest
 
 from aioduco.models.enums import TaskState
-from aioduco.sim.forgiving import Forgiving
-from aioduco.sim.refusal import Rejected
+from aioduco.sim.refusal import Forgiving, Rejected
 
 
 def test_what_is_forgiven_is_said_once_for_each_kind_and_counted(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     forgiving = Forgiving()
-    with caplog.at_level(logging.WARNING, "aioduco.sim.forgiving"):
+    with caplog.at_level(logging.WARNING, "aioduco.sim.refusal"):
         for smoothing in (0.0, 200.0):
             forgiving.forgive("servo smoothing", f"smooth_vel is {smoothing}")
         forgiving.forgive("speed", "v is 30")

@@ -20,7 +20,7 @@ from aioduco.models.enums import TaskState
 from aioduco.models.pose import Pose
 from aioduco.sim.cabinet.signals import Bank, Signals
 from aioduco.sim.cabinet.tools import FrameTable
-from aioduco.sim.physics.tip import tip_motion
+from aioduco.sim.handlers.state import tip_motion
 from aioduco.sim.refusal import Rejected
 from aioduco.sim.simulator import READY, Simulator
 from aioduco.testing import eventually

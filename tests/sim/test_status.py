@@ -12,7 +12,7 @@ import pytest
 
 from aioduco._wire.rpc import IOStatus, Op, RobotStatus
 from aioduco.models.enums import RobotState
-from aioduco.sim.physics.temperature import AMBIENT, Temperatures
+from aioduco.sim.physics.drives import AMBIENT, Temperatures
 from aioduco.sim.simulator import READY, Simulator
 
 from .conftest import Connect, Program, advance_until, let_pass, standing_time

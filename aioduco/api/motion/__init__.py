@@ -18,10 +18,10 @@ from aioduco.api.motion.velocity import Velocity
 from aioduco.api.streams.arguments import per_group
 from aioduco.errors import ParameterError, StopUnconfirmed, UnknownFunction
 from aioduco.models import ranges
-from aioduco.models.rules import Integer
+from aioduco.models.rules import Integer, Real
 from aioduco.models.words import one_of
 from aioduco.streaming.joint_trajectory import JointTrajectory, Tolerances
-from aioduco.streaming.shared.options import Feeding, checked
+from aioduco.streaming.shared.options import Feeding, WorkerOptions, checked
 from aioduco.supervision.command import MotionCommand, check_motions
 from aioduco.supervision.motion_path import MotionPath
 from aioduco.supervision.permits import asked_at_call
@@ -30,10 +30,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from aioduco.models.enums import Outcome
-    from aioduco.models.rules import Real
     from aioduco.streaming.endpoint import StreamEndpoint
     from aioduco.streaming.joint_trajectory import Feedback, TrajectoryResult
-    from aioduco.streaming.shared.options import WorkerOptions
     from aioduco.supervision.supervisor import Supervisor
 
 __all__ = ["Motion", "PlannedMotion", "Through"]

@@ -10,13 +10,12 @@ from aioduco.api.points import points_with_outputs
 from aioduco.api.section import Section
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
-from aioduco.models.pose import Pose
+from aioduco.models.pose import JointsLike, Pose, PoseLike
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from aioduco.models.op import Op, PointOp
-    from aioduco.models.pose import JointsLike, PoseLike
     from aioduco.models.rules import Real
     from aioduco.supervision.command import MotionCommand
 

@@ -9,10 +9,9 @@ from aioduco._wire.rpc import calls
 from aioduco.api.section import JOG_TIME, Section
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
-from aioduco.models.jog import Jog, directions_of
+from aioduco.models.jog import Jog, JogDirections, directions_of
 
 if TYPE_CHECKING:
-    from aioduco.models.jog import JogDirections
     from aioduco.models.rules import Real
     from aioduco.supervision.command import MotionCommand
 

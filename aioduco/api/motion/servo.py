@@ -13,12 +13,11 @@ from aioduco.api.arguments import frames, gains
 from aioduco.api.motion.aiming import tool_aim
 from aioduco.api.section import Section
 from aioduco.models import ranges
-from aioduco.streaming.shared.turning import in_tool, into_tool
+from aioduco.streaming.shared.turning import MotionFrame, in_tool, into_tool
 
 if TYPE_CHECKING:
     from aioduco.models.pose import JointsLike, PoseLike
     from aioduco.models.rules import Real
-    from aioduco.streaming.shared.turning import MotionFrame
     from aioduco.supervision.command import MotionCommand
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import anyio
 import numpy as np
 
-from aioduco.api.motion.switch import SwitchPlace
+from aioduco.api.motion.switch import SwitchPlace, TrajectorySwitch
 from aioduco.api.streams.arguments import per_group
 from aioduco.api.streams.realtime import CYCLE, RealtimeStreams
 from aioduco.api.streams.servo import Servo
@@ -21,7 +21,7 @@ from aioduco.errors import (
     StreamLost,
 )
 from aioduco.streaming.joint_trajectory import Feedback, Tolerances, TrajectoryResult
-from aioduco.streaming.sampling import instants
+from aioduco.streaming.sampling import Spline, instants
 from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:
@@ -29,10 +29,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from aioduco.api.motion.switch import TrajectorySwitch
     from aioduco.streaming.endpoint import StreamEndpoint
     from aioduco.streaming.joint_trajectory import JointTrajectory
-    from aioduco.streaming.sampling import Spline
     from aioduco.streaming.shared.options import WorkerOptions
     from aioduco.streaming.stream import Stream
 

@@ -11,13 +11,12 @@ from aioduco.api.motion.aiming import tool_aim
 from aioduco.api.section import Section
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
-from aioduco.streaming.shared.turning import into_tool, turned
+from aioduco.streaming.shared.turning import MotionFrame, into_tool, turned
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from aioduco.models.rules import Real, VectorLike
-    from aioduco.streaming.shared.turning import MotionFrame
     from aioduco.supervision.command import HeldMotion
 
 

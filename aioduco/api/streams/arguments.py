@@ -9,13 +9,12 @@ import numpy as np
 
 from aioduco.api.arguments import gains
 from aioduco.errors import ParameterError
-from aioduco.models.rules import Number, is_number
+from aioduco.models.rules import Number, Real, is_number
 from aioduco.streaming.shared.space import JERK, Limits
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from aioduco.models.rules import Real
     from aioduco.streaming.shared.options import Upsampling
 
 

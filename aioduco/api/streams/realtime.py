@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 from aioduco.api.streams import StreamMaker
-from aioduco.api.streams.arguments import motion_limits, per_group
+from aioduco.api.streams.arguments import FeedingOptions, motion_limits, per_group
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.realtime import RealtimeMode
-from aioduco.models.rules import Choice, Integer
+from aioduco.models.rules import Choice, Integer, Real, VectorLike
 from aioduco.models.words import one_of
 from aioduco.streaming.shared.config import Drive, Meaning, StreamSpec
-from aioduco.streaming.shared.options import Feeding
-from aioduco.streaming.shared.turning import into_wobj
+from aioduco.streaming.shared.options import Feeding, WorkerOptions
+from aioduco.streaming.shared.turning import MotionFrame, into_wobj
 from aioduco.streaming.stream import Stream
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import Unpack
-
-    from aioduco.api.streams.arguments import FeedingOptions
-    from aioduco.models.rules import Real, VectorLike
-    from aioduco.streaming.shared.options import WorkerOptions
-    from aioduco.streaming.shared.turning import MotionFrame
 
 
 #: time in which the controller takes one point from its queue [s] (manual 1.3.15, the example)

@@ -2,26 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 from aioduco.api.streams import StreamMaker
 from aioduco.api.streams.arguments import ServoGains, motion_limits, per_group
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.streaming.shared.config import Drive, StreamSpec
-from aioduco.streaming.shared.options import Feeding
-from aioduco.streaming.shared.space import POSE_SPACE
-from aioduco.streaming.shared.turning import into_tool
+from aioduco.streaming.shared.options import Feeding, WorkerOptions
+from aioduco.streaming.shared.space import POSE_SPACE, Limits
+from aioduco.streaming.shared.turning import MotionFrame, into_tool
 from aioduco.streaming.stream import Stream
 
 if TYPE_CHECKING:
-    from typing import Unpack
-
     from aioduco.api.streams.arguments import FeedingOptions, ServoOptions
     from aioduco.models.rules import Real, VectorLike
-    from aioduco.streaming.shared.options import WorkerOptions
-    from aioduco.streaming.shared.space import Limits
-    from aioduco.streaming.shared.turning import MotionFrame
 
 
 _Pair = tuple[float, float]

@@ -9,15 +9,13 @@ from aioduco.api.streams.arguments import per_group
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.streaming.shared.config import Drive, StreamSpec
-from aioduco.streaming.shared.options import Feeding
+from aioduco.streaming.shared.options import Feeding, WorkerOptions
 from aioduco.streaming.shared.space import Limits
-from aioduco.streaming.shared.turning import into_tool
+from aioduco.streaming.shared.turning import MotionFrame, into_tool
 from aioduco.streaming.stream import Stream
 
 if TYPE_CHECKING:
     from aioduco.models.rules import Real
-    from aioduco.streaming.shared.options import WorkerOptions
-    from aioduco.streaming.shared.turning import MotionFrame
 
 
 class Speed(StreamMaker):

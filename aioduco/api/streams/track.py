@@ -9,10 +9,10 @@ from aioduco.api.streams import StreamMaker
 from aioduco.api.streams.arguments import per_group
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
-from aioduco.models.rules import Integer
+from aioduco.models.rules import Integer, Real, VectorLike
 from aioduco.models.words import one_of
 from aioduco.streaming.shared.config import Drive, StreamSpec
-from aioduco.streaming.shared.options import Feeding
+from aioduco.streaming.shared.options import Feeding, WorkerOptions
 from aioduco.streaming.shared.space import Limits
 from aioduco.streaming.stream import Stream
 from aioduco.streaming.worker.encoding import element_tail
@@ -20,8 +20,6 @@ from aioduco.supervision.motion_sources import TRACK_POOL
 
 if TYPE_CHECKING:
     from aioduco.models.op import Op
-    from aioduco.models.rules import Real, VectorLike
-    from aioduco.streaming.shared.options import WorkerOptions
 
 
 POOL = 1000  # points that fit (manual 1.3.12)

@@ -1,4 +1,7 @@
-"""Run `aioduco demo`: the question before a real arm moves, the motions, and the output."""
+"""Run `aioduco demo`: the question before a real arm moves, the motions, and the output.
+
+However it ends, the arm stands.
+"""
 
 from __future__ import annotations
 
@@ -13,13 +16,15 @@ import typer
 import aioduco
 from aioduco.cli import extras
 from aioduco.cli.command_terms import in_commands
-from aioduco.cli.demo import session, view
+from aioduco.cli.demo import view
 from aioduco.cli.demo.report import Report
-from aioduco.cli.demo.script import GRIPPER_NAME, Choreography, scene
+from aioduco.cli.demo.script import GRIPPER_NAME, Choreography, pick_and_place, scene
+from aioduco.cli.demo.stage import Stage
 from aioduco.cli.exit_codes import write_file
 from aioduco.cli.output import say
 from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.safe_console import SafeConsole
+from aioduco.cli.signals import receive_signals
 from aioduco.cli.status import look, states_line
 from aioduco.errors import DucoError
 from aioduco.kinematics import Arm, forward
@@ -27,12 +32,88 @@ from aioduco.models.host_port import host_port
 
 if TYPE_CHECKING:
     import signal
+    from collections.abc import Iterator
 
+    from anyio.abc import TaskStatus
     from numpy.typing import NDArray
 
     from aioduco.cli.addresses import RobotAddress
     from aioduco.cli.demo.stage import Look
+    from aioduco.cli.demo.view import View
     from aioduco.models.controller_clock import Clock
+    from aioduco.robot import Robot
+
+
+SAMPLES = 100.0  # samples of the arm per second
+
+
+async def perform(
+    robot: Robot, plan: Choreography, report: Report, view: View, look: Look | None = None
+) -> signal.Signals | None:
+    """Connect, bring the arm up, and go through the choreography.
+
+    Args:
+        robot: the robot, not connected yet; its modules are loaded before the event loop runs.
+        plan: places and speeds.
+        report: where the result is written, an error included.
+        view: shows the progress while it runs.
+        look: returns the place of the simulated box [m]; None without a box.
+
+    Returns:
+        The signal that ended it, after the arm was stopped; None without a signal.
+    """
+    work = anyio.CancelScope()
+    told: list[signal.Signals] = []
+    async with anyio.create_task_group() as listening:
+        # This task runs longer than the work, so that a second Ctrl-C does not interrupt the stop.
+        await listening.start(_end_on_signal, work, told, view)
+        with work:
+            try:
+                await _perform(robot, plan, report, view, look)
+            except* DucoError as group:
+                report.error = "; ".join(str(error) for error in _leaves(group))
+        listening.cancel_scope.cancel()
+    if work.cancelled_caught:
+        report.error = "interrupted: the arm was stopped, and stands"
+    return told[0] if told else None
+
+
+async def _perform(
+    robot: Robot, plan: Choreography, report: Report, view: View, look: Look | None
+) -> None:
+    stage = Stage(robot, report, view, look)
+    try:
+        async with robot:
+            await robot.bring_up()
+            async with anyio.create_task_group() as watching:
+                watching.start_soon(stage.watch)
+                await pick_and_place(robot, stage, plan)
+                watching.cancel_scope.cancel()
+    finally:
+        stage.record_rest()
+
+
+async def _end_on_signal(
+    work: anyio.CancelScope,
+    told: list[signal.Signals],
+    view: View,
+    *,
+    task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED,
+) -> None:
+    with receive_signals() as signals:
+        task_status.started()
+        async for number in signals:
+            told.append(number)
+            view.note("stopping the arm; this needs a moment")
+            work.cancel()
+
+
+def _leaves(group: BaseExceptionGroup[BaseException]) -> Iterator[BaseException]:
+    for error in group.exceptions:
+        if isinstance(error, BaseExceptionGroup):
+            yield from _leaves(error)
+        else:
+            yield error
 
 
 OUTPUT = Path("-")
@@ -67,7 +148,7 @@ def run(
         if not yes:
             ask(_warning(address, model, plan, look(address)), "Move the arm?", yes=False)
         report = Report(model, str(address), simulated=False)
-        ended_by = _perform(address.host, address.port, plan, report, console)
+        ended_by = _performed(address.host, address.port, plan, report, console)
     else:
         from aioduco.sim import Simulator  # noqa: PLC0415 - MuJoCo is for this case alone
 
@@ -79,7 +160,7 @@ def run(
                 return x, y, z
 
             report = Report(model, host_port(sim.host, sim.port), simulated=True, speed=speed)
-            ended_by = _perform(sim.host, sim.port, plan, report, console, sim.clock, see)
+            ended_by = _performed(sim.host, sim.port, plan, report, console, sim.clock, see)
 
     console.print(view.summary(report))
     if report.error:
@@ -120,7 +201,7 @@ def run_planned(
         _put({"model": model, "steps": [step._asdict() for step in steps]}, result)
 
 
-def _perform(
+def _performed(
     host: str,
     port: int,
     plan: Choreography,
@@ -132,8 +213,8 @@ def _perform(
     shown = view.view_for(console)
     shown.open(report)
     try:
-        robot = aioduco.connect(host, port, state_rate=session.SAMPLES, clock=clock)
-        return anyio.run(session.perform, robot, plan, report, shown, look)
+        robot = aioduco.connect(host, port, state_rate=SAMPLES, clock=clock)
+        return anyio.run(perform, robot, plan, report, shown, look)
     finally:
         shown.close()
 

@@ -1,6 +1,5 @@
 """`aioduco monitor`: watch an arm in a terminal, with keys that stop, pause and resume it.
 
 `view_state` holds the data, `screen` renders it; neither needs a terminal or a clock. `onlooker`
-polls the controller and carries out the commands of the keys, `keyboard` reads the keys, `monitor`
-is the command.
+polls the controller, reads the keys and carries out their commands, `monitor` is the command.
 """

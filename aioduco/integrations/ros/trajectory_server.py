@@ -180,14 +180,16 @@ class TrajectoryServer:
         self._switch: TrajectorySwitch | None = None
         #: what the arm follows, of the path of the running goal
         self._followed: PathPart | None = None
-        self._factor = 1.0
+        #: factor of their speed at which goals are followed, above 0 to 1
+        self.factor: float = 1.0
         self._paused = False
         #: whether the arm has come to rest at the early end of that part
         self._at_rest = anyio.Event()
         self._resumed = anyio.Event()
         #: when the arm has to be at its goal at the latest, on the event loop's clock [s]
         self._due = math.inf
-        self._progress: GoalProgress | None = None
+        #: where the arm is on the path of the running goal; None without one
+        self.progress: GoalProgress | None = None
         self._path: Any = None
         self._rising = False  # whether the arm gains the path's speed from rest
         #: positions of the arm on its way, with the time of each
@@ -221,24 +223,14 @@ class TrajectoryServer:
             self._replace()
         self._changed.set()
 
-    @property
-    def progress(self) -> GoalProgress | None:
-        """Where the arm is on the path of the running goal; None without one."""
-        return self._progress
-
-    @property
-    def factor(self) -> float:
-        """Factor of their speed at which goals are followed, above 0 to 1."""
-        return self._factor
-
     def scale(self, factor: float) -> None:
         """Follow goals at a factor of their speed: a running one comes to rest, and goes on.
 
         Args:
             factor: above 0 to 1.
         """
-        if factor != self._factor:
-            self._factor = factor
+        if factor != self.factor:
+            self.factor = factor
             self._end_part()
 
     async def pause(self) -> bool:
@@ -317,7 +309,7 @@ class TrajectoryServer:
         Raises:
             GoalRefused: it begins where the arm neither was lately nor soon will be.
         """
-        progress, first = self._progress, checked.trajectory.positions[0]
+        progress, first = self.progress, checked.trajectory.positions[0]
         if checked.begin or checked.trajectory.times[0] > 0.0 or progress is None:
             return  # another time decides, it leads from anywhere, or the arm stands
         now = anyio.current_time()
@@ -348,8 +340,8 @@ class TrajectoryServer:
             late = anyio.current_time() + place.delay - job.arrived if job.joins else 0.0
             part = path_from_motion(
                 *(path, place.joints, place.speeds),
-                begin=late * self._factor,
-                factor=self._factor,
+                begin=late * self.factor,
+                factor=self.factor,
                 profile=self._profile,
             )
             if part is None:
@@ -360,7 +352,7 @@ class TrajectoryServer:
             self._queue.take_over()
             running.handle.cancelled("a newer goal took over")
             job.handle.accepted()
-            self._path, self._followed, self._progress, self._rising = path, part, None, True
+            self._path, self._followed, self.progress, self._rising = path, part, None, True
             tolerances = job.checked.tolerances
             end = place.delay + part.trajectory.duration
             self._due = anyio.current_time() + end + tolerances.goal_time
@@ -414,7 +406,7 @@ class TrajectoryServer:
                 self._why = self._why or "the driver ends"
                 raise
             finally:
-                self._scope = self._part = self._progress = self._switch = None
+                self._scope = self._part = self.progress = self._switch = None
                 self._due = math.inf
                 self._paused = False
                 self._at_rest.set()
@@ -468,7 +460,7 @@ class TrajectoryServer:
         """Follow a goal to its end. Return the error that ended it early, except a cancellation."""
         path = job.checked.trajectory.curve(actual)
         away = float(np.abs(path.at(path.times[:1])[0] - np.asarray(actual)).max())
-        part, self._rising = whole_path(job.checked.trajectory, self._factor), False
+        part, self._rising = whole_path(job.checked.trajectory, self.factor), False
         if job.joins and away > self._rules.start:
             # the arm went on while the earlier goal came to rest
             passed = anyio.current_time() - job.arrived + _LAG
@@ -492,7 +484,7 @@ class TrajectoryServer:
                 return error
             begin = anyio.current_time()
             path, tolerances = self._path, self._running.checked.tolerances
-            reached = 0.0 if self._progress is None else self._progress.time
+            reached = 0.0 if self.progress is None else self.progress.time
             at = nearest_time(path, actual, reached - _LAG, reached + _LAG)
             away = np.abs(path.at(np.array([at]))[0] - np.asarray(actual))
             if tolerances.path and np.any(away > tolerances.path):
@@ -502,7 +494,7 @@ class TrajectoryServer:
 
     def _rest(self, path: Any, actual: Sequence[float], begin: float) -> PathPart:
         self._rising = True
-        return rest_of_path(path, actual, begin=begin, factor=self._factor, profile=self._profile)
+        return rest_of_path(path, actual, begin=begin, factor=self.factor, profile=self._profile)
 
     async def _follow_part(self, part: PathPart, tolerances: Tolerances) -> bool:
         """Follow a part of a path, and the goals that take over on it.
@@ -520,7 +512,7 @@ class TrajectoryServer:
             assert self._followed is not None
             time = self._followed.path_time(found.time)
             place = GoalProgress(time, found.desired, found.actual, found.error)
-            self._progress = place
+            self.progress = place
             self._recent.append((now, found.actual))
             if now >= due:
                 # Keep the schedule of the first feedback; missed ones are skipped.
@@ -567,17 +559,17 @@ class TrajectoryServer:
     async def _watch_speed(self) -> None:
         """End a goal whose joints have other speeds than its path, by more than it allows."""
         async for _ in every(_LOOK):
-            place, most = self._progress, self._running.checked.path_speed
+            place, most = self.progress, self._running.checked.path_speed
             if most is None:
                 continue
             speeds = await self._robot.state.get_actual_joints_speed()
             if place is None or self._part is None or self._part.cancel_called:
                 continue
-            if self._progress is not None and self._running.checked.path_speed is not most:
+            if self.progress is not None and self._running.checked.path_speed is not most:
                 continue  # another goal took over meanwhile
             # the arm lags behind: each speed that the path had since then is right
             times = np.linspace(place.time - _LAG, place.time + _LOOK, 16)
-            wanted = self._path.velocity(np.clip(times, 0.0, self._path.times[-1])) * self._factor
+            wanted = self._path.velocity(np.clip(times, 0.0, self._path.times[-1])) * self.factor
             low, high = wanted.min(axis=0), wanted.max(axis=0)
             if self._rising:
                 low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)

@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
 from aioduco.errors import Described, ParameterError
 from aioduco.models.numpy_on_use import is_array, np
 from aioduco.models.pose import Joints, Pose
-from aioduco.models.rules.scalars import FARTHEST, Integer, Number, Rule, Text
+from aioduco.models.rules.scalars import FARTHEST, Integer, Number, Real, Rule, Text, Whole
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from aioduco.models.rules.scalars import Real, Whole
 
 VectorLike: TypeAlias = "Sequence[Real] | NDArray[np.floating[Any]] | NDArray[np.integer[Any]]"
 WholesLike: TypeAlias = "Sequence[Whole] | NDArray[np.integer[Any]]"

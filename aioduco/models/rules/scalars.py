@@ -7,7 +7,7 @@ import numbers
 import os
 import sys
 import unicodedata
-from collections.abc import Awaitable, Callable, Coroutine
+from collections.abc import Awaitable, Callable, Coroutine, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -16,8 +16,6 @@ from aioduco.models.bounds import least, most, shown
 from aioduco.models.numpy_on_use import is_number, plain
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     import numpy as np
 
 Real: TypeAlias = "float | np.floating[Any] | np.integer[Any]"

@@ -16,7 +16,6 @@ from aioduco.models.pose import Joints
 from aioduco.models.ranges import TIMEOUT, WAIT
 from aioduco.models.rules import Number
 from aioduco.models.words import one_of
-from aioduco.recording.foreign import of_any_maker
 from aioduco.recording.playback.sample_times import (
     SAME,
     STILL,
@@ -25,6 +24,7 @@ from aioduco.recording.playback.sample_times import (
     is_fresh,
     steady_times,
 )
+from aioduco.recording.run import of_any_maker
 from aioduco.streaming.joint_trajectory import JointTrajectory, TrajectoryResult
 
 if TYPE_CHECKING:

@@ -14,8 +14,8 @@ import numpy as np
 from aioduco.errors import ParameterError
 from aioduco.models.bounds import outside
 from aioduco.models.ranges import FINITES
-from aioduco.sim.planner.axes import ExternalAxesMove
 from aioduco.sim.planner.path import PlanError
+from aioduco.sim.planner.segments import ExternalAxesMove
 from aioduco.sim.refusal import Rejected, illegal, mismatch
 
 if TYPE_CHECKING:

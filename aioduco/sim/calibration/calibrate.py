@@ -13,8 +13,12 @@ from aioduco.sim.calibration.blends import estimate_blends
 from aioduco.sim.calibration.drives import estimate_drives, estimate_noise
 from aioduco.sim.calibration.evidence import Evidence, read_evidence
 from aioduco.sim.calibration.geometry import estimate_geometry
-from aioduco.sim.calibration.heartbeat import estimate_slack
-from aioduco.sim.calibration.times import estimate_period, estimate_times, single_precision
+from aioduco.sim.calibration.times import (
+    estimate_period,
+    estimate_slack,
+    estimate_times,
+    single_precision,
+)
 from aioduco.sim.calibration.torques import estimate_friction, estimate_load
 from aioduco.sim.profile import RANGES, ArmProfile
 

@@ -1,4 +1,7 @@
-"""The queue of motions: it drives the planner's mover and sets the states of the tasks."""
+"""The queue of motions: it drives the planner's mover and sets the states of the tasks.
+
+Motions that came while the arm was being stopped wait beside it until the arm stands.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +22,6 @@ if TYPE_CHECKING:
     from aioduco.sim.planner.mover import Draft, Drafted, Mover
     from aioduco.sim.planner.segments import Segment
 
-    #: makes the segment of one motion, given the joints [rad] from which it starts
     Plan = Callable[[Array], Segment]
 
 
@@ -123,7 +125,8 @@ class MotionQueue:
         self.in_background: bool = False  # whether another thread plans motions, not `append`
         #: ids and plans of the motions that are not planned yet; they are before `_behind`
         self.unplanned: deque[tuple[int, Plan]] = deque()
-        self._planning: Planning | None = None  # the first of `unplanned`
+        #: the motion that is being planned, the first of `unplanned`; None if it was dropped, too
+        self.planning: Planning | None = None
         self.failures: list[str] = []
         self.faults: list[str] = []
 
@@ -236,11 +239,6 @@ class MotionQueue:
         """Time until the running motion is at its end [s]; 0.0 if unknown."""
         return 0.0 if self._follower is not None else self._mover.time_left
 
-    @property
-    def planning(self) -> Planning | None:
-        """The motion that is being planned; None if there is none, or if it was dropped."""
-        return self._planning
-
     def awaits_plan(self, id_: int) -> bool:
         """Whether a motion still waits for its plan."""
         return any(waiting[0] == id_ for waiting in self.unplanned)
@@ -250,14 +248,14 @@ class MotionQueue:
         if not self.unplanned:
             return None
         id_, plan = self.unplanned[0]
-        self._planning = Planning(id_, self._mover.draft(id_, plan))
-        return self._planning
+        self.planning = Planning(id_, self._mover.draft(id_, plan))
+        return self.planning
 
     def take_plan(self, planning: Planning, came: Drafted | PlanError) -> None:
         """Take the result of planning a motion, unless the plan was dropped meanwhile."""
-        if self._planning is not planning:
+        if self.planning is not planning:
             return
-        self._planning = None
+        self.planning = None
         if isinstance(came, PlanError):
             self._fail(planning.id, came)
             self._at_standstill()
@@ -531,15 +529,15 @@ class MotionQueue:
 
     def _drop_plans(self) -> None:
         self.unplanned.clear()
-        self._planning = None
+        self.planning = None
 
     def _end(self, id_: int, state: TaskState, message: str = "", *, reached: bool = False) -> None:
         del self._queue[id_]
         self.blending.pop(id_, None)
         if self.unplanned and self.awaits_plan(id_):
             self.unplanned = deque(each for each in self.unplanned if each[0] != id_)
-            if self._planning is not None and self._planning.id == id_:
-                self._planning = None
+            if self.planning is not None and self.planning.id == id_:
+                self.planning = None
         if self._triggers:
             self._triggers.end(id_, self._time, self.setpoint, reached=reached)
         self._tasks.set(id_, state, message)
@@ -555,3 +553,66 @@ class MotionQueue:
         waiting, self._waiting_for_rest = self._waiting_for_rest, []
         for id_ in waiting:
             self._tasks.set(id_, state)
+
+
+class DeferredMotion(NamedTuple):
+    """A motion that waits.
+
+    Attributes:
+        id: id of its task.
+        name: the function that made it.
+        following: how it follows its targets; None if it has a path.
+        begin: queues it.
+    """
+
+    id: int
+    name: str
+    following: Following | None
+    begin: Callable[[int], None]
+
+
+class DeferredMotions:
+    """The motions that wait for the end of a stop, in order.
+
+    Args:
+        tasks: the table that holds the tasks' states.
+
+    Attributes:
+        motions: all of them.
+        paused: whether they pause before they begin.
+    """
+
+    def __init__(self, tasks: TaskTable) -> None:
+        self._tasks = tasks
+        self.motions: list[DeferredMotion] = []
+        self.paused: bool = False
+
+    def __len__(self) -> int:
+        return len(self.motions)
+
+    @property
+    def last(self) -> Following | None:
+        """The last one if it follows targets; None if it has a path, or if there is none."""
+        return self.motions[-1].following if self.motions else None
+
+    def add(self, motion: DeferredMotion) -> None:
+        """Let a motion wait."""
+        self.motions.append(motion)
+
+    def take(self) -> list[DeferredMotion]:
+        """Give all of them, which then wait no more."""
+        taken, self.motions = self.motions, []
+        return taken
+
+    def end(
+        self,
+        state: TaskState,
+        message: str,
+        which: Callable[[DeferredMotion], bool] = lambda _motion: True,
+    ) -> None:
+        """End them before they have begun: all, or some."""
+        for motion in self.take():
+            if which(motion):
+                self._tasks.set(motion.id, state, message)
+            else:
+                self.motions.append(motion)

@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from aioduco.models.enums import RobotState, SafetyState
-from aioduco.sim.controller.motion_queue import CAPACITY, Following, MotionQueue
+from aioduco.sim.controller.motion_queue import CAPACITY, DeferredMotions, Following, MotionQueue
 from aioduco.sim.controller.tasks import MotionPhase
 
 if TYPE_CHECKING:
-    from aioduco.sim.controller.deferred import DeferredMotions
     from aioduco.sim.controller.power import PowerControl
     from aioduco.sim.controller.programs import ProgramExecution
 

@@ -24,10 +24,9 @@ from aioduco.models.enums import OperationMode, ProgramState, RobotState, Safety
 from aioduco.sim.cabinet.axis_schemes import SimulatedExternalAxes
 from aioduco.sim.cabinet.signals import Signals
 from aioduco.sim.cabinet.tools import FrameTable, NamedFrame
-from aioduco.sim.controller.deferred import DeferredMotion, DeferredMotions
 from aioduco.sim.controller.force_tasks import ForceTasks
 from aioduco.sim.controller.monitoring import CollisionDetector, HeartbeatWatchdog, Standstill
-from aioduco.sim.controller.motion_queue import MotionQueue
+from aioduco.sim.controller.motion_queue import DeferredMotion, DeferredMotions, MotionQueue
 from aioduco.sim.controller.motion_settings import OptimizationSwitches, WeaveSelection
 from aioduco.sim.controller.power import PowerControl
 from aioduco.sim.controller.programs import ProgramExecution, RunningProgram

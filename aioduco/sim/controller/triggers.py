@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from aioduco.sim.refusal import mismatch
+from aioduco.sim.refusal import Forgiving, mismatch
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from aioduco._wire.rpc import Op
     from aioduco.models.rotation import Array
     from aioduco.sim.cabinet.signals import Signals
-    from aioduco.sim.forgiving import Forgiving
     from aioduco.sim.planner.mover import Travel
     from aioduco.sim.planner.path import JointSetPoint
 

@@ -136,19 +136,15 @@ class ForceControl:
         self._cycle = cycle
         self._offset = FlangeOffset(arm, cycle)
         self._twist: Sequence[float] = _NOTHING
-        self._failed = False
+        #: whether the joints could not follow: they then slow down and stand until a new start
+        self.failed: bool = False
 
     @property
     def moving(self) -> bool:
         """Whether a force moves the drives' set-points, or the joints slow down after a failure."""
-        if self._failed:
+        if self.failed:
             return bool(self._offset.setpoint.qd.any())
         return self._twist is not _NOTHING
-
-    @property
-    def failed(self) -> bool:
-        """Whether the joints could not follow: they then slow down and stand until a new start."""
-        return self._failed
 
     @property
     def setpoint(self) -> JointSetPoint:
@@ -171,19 +167,19 @@ class ForceControl:
 
     def start(self, setpoint: JointSetPoint) -> None:
         """Begin at the set-point of the motions."""
-        self.active, self._failed = True, False
+        self.active, self.failed = True, False
         self._twist = _NOTHING
         self._offset.begin(setpoint)
 
     def end(self) -> None:
         """End; the motions have to restart from where the arm is."""
-        self.active = self._failed = False
+        self.active = self.failed = False
         self._twist = _NOTHING
         self.conditions.end()
 
     def drop_offset(self) -> None:
         """Drop the offset, as the motions restart where the arm is; a decaying motion continues."""
-        self._failed = False
+        self.failed = False
         self._offset.drop_offset()
 
     def tick(
@@ -200,13 +196,13 @@ class ForceControl:
         external = self.sensor.external(sensed.wrench, flange)
         if message := self._guarded(sensed, external):
             return self._offset.setpoint, ForceOutcome("guard", message)
-        if self._failed:
+        if self.failed:
             return self._offset.slow_down(), None
         self._give_way(external, compliant=compliant)
         try:
             drives = self._offset.apply(setpoint)
         except OutOfReach as exc:
-            self._failed = True
+            self.failed = True
             self._twist = _NOTHING
             return self._offset.slow_down(), ForceOutcome("failed", str(exc))
         return drives, self._judge(sensed, running=compliant)

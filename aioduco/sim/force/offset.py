@@ -74,15 +74,11 @@ class FlangeOffset:
         self._speed: Sequence[float] = _NOTHING
         self._twist: Sequence[float] = _NOTHING
         self._none = True
-        self._last = JointSetPoint.at_rest(np.zeros(6))
-        self._at: Array = self._last.q
+        #: the latest set-point of the drives
+        self.setpoint: JointSetPoint = JointSetPoint.at_rest(np.zeros(6))
+        self._at: Array = self.setpoint.q
         self._nominal = ArmRates(arm.geometry, self._at.tolist())
         self.flange: Array = _STRAIGHT
-
-    @property
-    def setpoint(self) -> JointSetPoint:
-        """The latest set-point of the drives."""
-        return self._last
 
     @property
     def shifted(self) -> bool:
@@ -93,7 +89,7 @@ class FlangeOffset:
         """Begin without an offset, at a set-point of the motions."""
         self.drop_offset()
         self._twist = _NOTHING
-        self._last = setpoint
+        self.setpoint = setpoint
         self.flange = np.array(self._of_motions(setpoint.q).rotation)
 
     def drop_offset(self) -> None:
@@ -139,12 +135,12 @@ class FlangeOffset:
         rotation: Rows = nominal.rotation
         flange = np.array(rotation)
         if self._none:
-            self._last, self.flange = setpoint, flange
+            self.setpoint, self.flange = setpoint, flange
             return setpoint
         speed = self._speed
         moving = any(rates := setpoint.qd.tolist())
-        if same and not (moving or any(speed) or self._last.qd.any()):
-            return self._last
+        if same and not (moving or any(speed) or self.setpoint.qd.any()):
+            return self.setpoint
         turned = self._turn is not _STRAIGHT
         if turned:
             flange = self._turn.dot(flange)
@@ -158,11 +154,11 @@ class FlangeOffset:
         q, qd = self._solve(nominal.position, rotation, speed)
         self._check(q, qd)
         cycle = self._cycle
-        qdd = [(b - a) / cycle for a, b in zip(self._last.qd.tolist(), qd, strict=True)]
-        self._last = JointSetPoint(np.array(q), np.array(qd), np.array(qdd))
+        qdd = [(b - a) / cycle for a, b in zip(self.setpoint.qd.tolist(), qd, strict=True)]
+        self.setpoint = JointSetPoint(np.array(q), np.array(qd), np.array(qdd))
         self._speed = _NOTHING
         self.flange = flange
-        return self._last
+        return self.setpoint
 
     def _solve(
         self, at: Sequence[float], rotation: Rows, speed: Sequence[float]
@@ -171,7 +167,7 @@ class FlangeOffset:
 
         It is one step of Newton's method from the extrapolated last cycle: its error is negligible.
         """
-        cycle, last = self._cycle, self._last
+        cycle, last = self._cycle, self.setpoint
         curve = 0.5 * cycle * cycle
         guess = [
             q + cycle * qd + curve * qdd
@@ -199,8 +195,8 @@ class FlangeOffset:
 
     def slow_down(self) -> JointSetPoint:
         """Slow the joints down for one cycle, whatever the set-points of the motions."""
-        self._last = self._last.slowed(self._hard, self._cycle)
-        return self._last
+        self.setpoint = self.setpoint.slowed(self._hard, self._cycle)
+        return self.setpoint
 
     def _of_motions(self, q: Array) -> ArmRates:
         if q is not self._at:

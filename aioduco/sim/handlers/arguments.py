@@ -9,12 +9,10 @@ from aioduco.errors import ParameterError
 from aioduco.models.bounds import least, most, shown
 from aioduco.models.load import Load
 from aioduco.models.pose import Pose
-from aioduco.sim.refusal import illegal, mismatch
+from aioduco.sim.refusal import Forgiving, illegal, mismatch
 
 if TYPE_CHECKING:
     from collections.abc import Container, Sequence
-
-    from aioduco.sim.forgiving import Forgiving
 
 
 #: the largest distance in a pose [m]: far beyond every arm, but still safe to compute with

@@ -12,8 +12,7 @@ from aioduco.models.enums import TaskState
 from aioduco.models.pose import Pose
 from aioduco.sim import trial
 from aioduco.sim.cabinet import Cabinet
-from aioduco.sim.forgiving import Forgiving
-from aioduco.sim.refusal import Rejected
+from aioduco.sim.refusal import Forgiving, Rejected
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -11,7 +11,7 @@ from aioduco.models.enums import TaskState
 from aioduco.sim.cabinet.axis_schemes import Axis
 from aioduco.sim.handlers import arguments
 from aioduco.sim.handlers.base import task
-from aioduco.sim.handlers.paths import PathSection, motion
+from aioduco.sim.handlers.paths import MotionCall, PathSection, motion
 from aioduco.sim.planner.segments import Segment, stay
 from aioduco.sim.refusal import illegal
 
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
     from aioduco.sim.controller.motion_queue import Plan
     from aioduco.sim.controller.state_machine import Controller
-    from aioduco.sim.handlers.motion_call import MotionCall
 
 
 _FARTHEST = 1e4  # stands for an unlimited range [rad or m]

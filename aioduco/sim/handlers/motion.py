@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from aioduco.sim.cabinet.tools import NamedFrame
     from aioduco.sim.controller.motion_queue import Plan
     from aioduco.sim.controller.state_machine import Controller
-    from aioduco.sim.handlers.motion_call import MotionCall
+    from aioduco.sim.handlers.paths import MotionCall
 
 
 _MOST_POINTS = 50

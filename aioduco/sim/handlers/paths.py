@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import numpy as np
 
@@ -16,7 +16,6 @@ from aioduco.sim import trial
 from aioduco.sim.controller.triggers import MotionTriggers, motion_triggers
 from aioduco.sim.handlers import arguments
 from aioduco.sim.handlers.base import HandlerSection, arguments_of, as_on_the_wire
-from aioduco.sim.handlers.motion_call import MotionCall
 from aioduco.sim.planner.curves import StraightLine
 from aioduco.sim.planner.path import PlanError
 from aioduco.sim.planner.segments import (
@@ -29,10 +28,55 @@ from aioduco.sim.planner.segments import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from aioduco._wire.rpc import Op
     from aioduco.models.rotation import Array
     from aioduco.sim.controller.motion_queue import Plan
     from aioduco.sim.controller.state_machine import Controller
     from aioduco.sim.planner.segments import PathOptions, Segment
+
+
+#: names that functions with external axes have for the same arguments
+_SAME: Final = {"rad": "r", "qnear": "q_near"}
+
+
+class MotionCall:
+    """The arguments of one call, by their names on the wire; each function has some of them.
+
+    Attributes:
+        points: positions on the path with the action at each, in order; what plans the motion
+            fills it.
+    """
+
+    joints_list: Sequence[float]
+    p: Sequence[float]
+    p1: Sequence[float]
+    p2: Sequence[float]
+    pose_offset: Sequence[float]
+    pose_list: Sequence[Any]
+    q_near: Sequence[float]
+    tool: str
+    wobj: str
+    v: float
+    a: float
+    r: float
+    mode: int
+    rev: float
+    len: float
+    kp: float
+    kd: float
+    smooth_vel: float
+    smooth_acc: float
+    scheme_name: Any
+    epose: Any
+    eaxis_v: Any
+    block: bool
+    op: Op
+    def_acc: bool
+
+    def __init__(self, names: Sequence[str], values: Sequence[Any]) -> None:
+        self.points: list[tuple[Array, Callable[[], None]]] = []
+        for name, value in zip(names, values, strict=True):
+            setattr(self, _SAME.get(name, name), value)
 
 
 #: lowest, highest and unit

@@ -11,11 +11,11 @@ import numpy as np
 from aioduco.sim.controller.motion_queue import Following
 from aioduco.sim.handlers import arguments
 from aioduco.sim.handlers.base import arguments_of, as_on_the_wire
-from aioduco.sim.handlers.motion_call import MotionCall
 from aioduco.sim.handlers.paths import (
     JOINT_ACCELERATION,
     JOINT_SPEED,
     TOO_FAST,
+    MotionCall,
     PathSection,
     near,
 )

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from aioduco.models.rotation import Array, transform
-from aioduco.sim.planner.axes import blended
 from aioduco.sim.planner.motion_limits import joint_limits, tool_limits
 from aioduco.sim.planner.path import Path, PlanError
 from aioduco.sim.planner.slices import yield_now
@@ -25,7 +24,28 @@ from aioduco.sim.planner.tracing import check_limits, fit, trace
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from aioduco.sim.planner.segments import Segment
+    from aioduco.sim.planner.segments import ExternalAxesMove, Segment
+
+
+def blended(first: ExternalAxesMove, second: ExternalAxesMove, leave: float, enter: float) -> Path:
+    """Give the path of the axes through a blend: the sum of their movements in both motions.
+
+    Args:
+        first: movement in the motion before the blend.
+        second: movement in the motion behind it; the same axes.
+        leave: distance on the first motion where the blend begins.
+        enter: distance on the second motion where it ends.
+    """
+    assert first.path is not None
+    assert second.path is not None
+    # Like the arm: the first motion decelerates evenly to rest, while the second accelerates.
+    left = first.end - first.path.sample(np.array([leave]))[0, 0]
+    gone = second.path.sample(np.array([enter]))[0, 0] - second.start
+    coefficients = np.zeros((6, len(left)))
+    coefficients[0] = first.end - left
+    coefficients[1] = 2.0 * left
+    coefficients[2] = gone - left
+    return Path.of_one(coefficients, 2.0 * enter)
 
 
 _PIECES = 24

@@ -66,31 +66,23 @@ class TargetFollower(ABC):
         self.failure: FollowError | None = None
         self._arm = arm
         self._cycle = cycle
-        self._setpoint = JointSetPoint.at_rest(q)
+        #: the latest set-point
+        self.setpoint: JointSetPoint = JointSetPoint.at_rest(q)
         self._speed = 1.0
         self._after_stop: Literal["", "stand", "end"] = ""  # the next action after slowing down
         self._hard = np.array(arm.acceleration) * STOPPING
         self._fastest = np.array(arm.velocity) * _FASTER
         self._lower = np.array([least(bound) for bound in arm.lower])
         self._upper = np.array([most(bound) for bound in arm.upper])
-        self._ended = False
-
-    @property
-    def setpoint(self) -> JointSetPoint:
-        """The latest set-point."""
-        return self._setpoint
-
-    @property
-    def ended(self) -> bool:
-        """Whether the motion stands and will not move again."""
-        return self._ended
+        #: whether the motion stands and will not move again
+        self.ended: bool = False
 
     @property
     def moving(self) -> bool:
         """Whether the set-point moves, or may move in the next cycle."""
-        if self._ended:
+        if self.ended:
             return False
-        return self._after_stop != "stand" or bool(self._setpoint.qd.any())
+        return self._after_stop != "stand" or bool(self.setpoint.qd.any())
 
     def set_speed(self, fraction: float) -> None:
         """Set the global speed, 0.01 to 1, which only some followers use."""
@@ -122,16 +114,16 @@ class TargetFollower(ABC):
             q: actual joints [rad]. Shape (6,).
             qd: actual joint speeds [rad/s]. Shape (6,).
         """
-        if self._ended:
-            return self._setpoint
+        if self.ended:
+            return self.setpoint
         if not self._after_stop:
             try:
-                self._setpoint = self._checked(self._next(q, qd))
+                self.setpoint = self._checked(self._next(q, qd))
             except FollowError as exc:
                 self._fail(exc)
         if self._after_stop:
             self._slow_down()
-        return self._setpoint
+        return self.setpoint
 
     def _fail(self, why: FollowError) -> None:
         self.failure = why
@@ -149,13 +141,13 @@ class TargetFollower(ABC):
         """Adapt to a pause, which has slowed the arm down since the last set-point."""
 
     def _end(self) -> None:
-        self._ended = True
-        self._setpoint = JointSetPoint.at_rest(self._setpoint.q)
+        self.ended = True
+        self.setpoint = JointSetPoint.at_rest(self.setpoint.q)
 
     def _slow_down(self) -> None:
         """Decelerate all joints together, so that their motion keeps its direction."""
-        self._setpoint = self._setpoint.slowed(self._hard, self._cycle)
-        if self._after_stop == "end" and not self._setpoint.qd.any():
+        self.setpoint = self.setpoint.slowed(self._hard, self._cycle)
+        if self._after_stop == "end" and not self.setpoint.qd.any():
             self._end()
 
     def _checked(self, point: JointSetPoint) -> JointSetPoint:
@@ -177,7 +169,7 @@ class TargetFollower(ABC):
 
     def _step(self, qd: Array) -> JointSetPoint:
         """Give the set-point after a cycle that ends with these joint speeds."""
-        last = self._setpoint
+        last = self.setpoint
         q = last.q + 0.5 * self._cycle * (last.qd + qd)
         return JointSetPoint(q, qd, (qd - last.qd) / self._cycle)
 
@@ -186,7 +178,7 @@ class StandingFollower(TargetFollower):
     """Commands the joints to their positions at the start, until it is stopped."""
 
     def _next(self, q: Array, qd: Array) -> JointSetPoint:  # noqa: ARG002 - it follows no sensors
-        return self._setpoint
+        return self.setpoint
 
 
 class FollowerChain(TargetFollower):
@@ -200,6 +192,7 @@ class FollowerChain(TargetFollower):
     """
 
     failure: FollowError | None
+    setpoint: JointSetPoint
 
     def __init__(
         self, arm: Arm, q: Array, cycle: float, parts: Sequence[Callable[[Array], TargetFollower]]
@@ -216,7 +209,7 @@ class FollowerChain(TargetFollower):
     @property
     def moving(self) -> bool:
         """Whether the set-point moves, or may move in the next cycle."""
-        return not self._ended and self._part.moving
+        return not self.ended and self._part.moving
 
     def pause(self) -> None:
         """Decelerate along the path, and stand until `resume`."""
@@ -233,17 +226,17 @@ class FollowerChain(TargetFollower):
 
     def tick(self, q: Array, qd: Array) -> JointSetPoint:
         """Run one cycle."""
-        if self._ended:
-            return self._setpoint
-        self._setpoint = self._next(q, qd)
+        if self.ended:
+            return self.setpoint
+        self.setpoint = self._next(q, qd)
         if self.failure is not None or not self._part.ended:
-            return self._setpoint
+            return self.setpoint
         if not self._parts:
             self._end()
-            return self._setpoint
-        self._part = self._parts.popleft()(self._setpoint.q)
+            return self.setpoint
+        self._part = self._parts.popleft()(self.setpoint.q)
         self._part.set_speed(self._speed)
-        return self._setpoint
+        return self.setpoint
 
     def _next(self, q: Array, qd: Array) -> JointSetPoint:
         point = self._part.tick(q, qd)

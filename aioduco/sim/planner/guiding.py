@@ -47,7 +47,7 @@ class HandGuidingFollower(TargetFollower):
 
     def _next(self, q: Array, qd: Array) -> JointSetPoint:
         if self._giving is not None:
-            allowed, last = self._giving(q), self._setpoint.q
+            allowed, last = self._giving(q), self.setpoint.q
             q, qd = last + allowed @ (q - last), allowed @ qd
         if self._held is None:
             if float(np.abs(qd).max()) < _STICKING:

@@ -24,7 +24,7 @@ from aioduco.sim.planner.slices import yield_now
 from aioduco.sim.planner.timing import TimeLaw, fastest
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable
 
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
@@ -183,10 +183,12 @@ class Mover:
         self._settling = settling
         self._stood = 0.0  # time for which the active motion has stood at its end
         self._speed = 1.0
-        self._pausing = False
+        #: whether a pause is in force; the arm stands once `moving` is false, too
+        self.paused: bool = False
         self._events: list[MotionEvent] = []
         self._queue: tuple[Entry, ...] = ()
-        self._setpoint = JointSetPoint.at_rest(q)
+        #: the latest set-point
+        self.setpoint: JointSetPoint = JointSetPoint.at_rest(q)
         self._stopping = False
         self._began = False  # whether the active motion has started
         self._law: TimeLaw | None = None  # of the active motion, once it has started
@@ -196,18 +198,9 @@ class Mover:
         self._v = 0.0  # ds/dt
         self._elapsed = 0.0  # time that the active motion has moved
         self._law_piece = self._path_piece = self._axes_piece = 0
-        self._axes: dict[int, float] = {}
+        #: set-points of external axes by number [rad or m], for those that were moved
+        self.axes: dict[int, float] = {}
         self._rest: list[object] = []  # data of motions that have ended, until the next draft
-
-    @property
-    def setpoint(self) -> JointSetPoint:
-        """The latest set-point."""
-        return self._setpoint
-
-    @property
-    def axes(self) -> Mapping[int, float]:
-        """Set-points of external axes by number [rad or m], for those that were moved."""
-        return self._axes
 
     @property
     def active(self) -> int | None:
@@ -222,12 +215,7 @@ class Mover:
     @property
     def moving(self) -> bool:
         """Whether the set-point moves, or is about to move."""
-        return self._v > 0.0 or (not self._pausing and bool(self._queue))
-
-    @property
-    def paused(self) -> bool:
-        """Whether a pause is in force; the arm stands once `moving` is false, too."""
-        return self._pausing
+        return self._v > 0.0 or (not self.paused and bool(self._queue))
 
     @property
     def progress(self) -> float:
@@ -241,7 +229,7 @@ class Mover:
     def time_left(self) -> float:
         """Time until the active motion is at its end [s]; 0.0 before its start and in a ramp."""
         law = self._law
-        if law is None or not self._tracking or self._pausing or self._stopping:
+        if law is None or not self._tracking or self.paused or self._stopping:
             return 0.0
         return (law.duration - self._time) / self._speed
 
@@ -274,7 +262,7 @@ class Mover:
         if self._stopping:
             raise PlanError("parameter", "the arm is stopping")
         rest, self._rest = self._rest, []
-        axes = {**self._axes, **self._left_by_queue()}
+        axes = {**self.axes, **self._left_by_queue()}
         return Draft(key, plan, self._end, self._queue, axes, rest, self._corners)
 
     def take(self, drafted: Drafted) -> bool:
@@ -310,16 +298,16 @@ class Mover:
     @property
     def _end(self) -> Array:
         """The joints at which the queue ends [rad], where the next motion begins. Shape (6,)."""
-        return self._queue[-1].segment.q_end if self._queue else self._setpoint.q
+        return self._queue[-1].segment.q_end if self._queue else self.setpoint.q
 
     def pause(self) -> None:
         """Decelerate along the path, at the motion's own acceleration, and stand."""
-        self._pausing = True
+        self.paused = True
         self._tracking = False
 
     def resume(self) -> None:
         """Resume along the path after a pause."""
-        self._pausing = False
+        self.paused = False
 
     def stop(self) -> None:
         """Decelerate along the path as fast as the drives can, stand, and drop the queue."""
@@ -332,7 +320,7 @@ class Mover:
     def reset(self, q: Array) -> None:
         """Stand at once at q [rad], where brakes have held the arm, and drop the queue."""
         self._drop()
-        self._setpoint = JointSetPoint.at_rest(q)
+        self.setpoint = JointSetPoint.at_rest(q)
 
     def set_speed(self, fraction: float) -> None:
         """Set the global speed, 0.01 to 1: at a speed of 0.5 motions take twice as long."""
@@ -344,21 +332,21 @@ class Mover:
 
     def tick(self) -> MoverTick:
         """Run one cycle."""
-        if self._queue and not (self._pausing and self._v == 0.0):
+        if self._queue and not (self.paused and self._v == 0.0):
             self._advance()
         if not self._events:
-            return MoverTick(self._setpoint)
+            return MoverTick(self.setpoint)
         events, self._events = tuple(self._events), []
-        return MoverTick(self._setpoint, events)
+        return MoverTick(self.setpoint, events)
 
     def _drop(self) -> None:
         self._events += [MotionEvent(entry.key, "stopped") for entry in self._queue]
         self._rest += [*self._queue, self._law]
         self._queue = ()
         self._law = None
-        self._began = self._stopping = self._pausing = False
+        self._began = self._stopping = self.paused = False
         self._s = self._v = 0.0
-        self._setpoint = JointSetPoint.at_rest(self._setpoint.q)
+        self.setpoint = JointSetPoint.at_rest(self.setpoint.q)
 
     def _advance(self) -> None:
         if not self._began:
@@ -414,7 +402,7 @@ class Mover:
     def _ramp(self, law: TimeLaw) -> None:
         """Accelerate or decelerate towards the law, or to rest."""
         piece = law.piece(self._s, self._law_piece)
-        braking = self._pausing or self._stopping
+        braking = self.paused or self._stopping
         down = braking or self._v > self._speed * law.speed(self._s, piece)
         limits = self._queue[0].limits
         assert limits is not None
@@ -475,8 +463,8 @@ class Mover:
             return True
         self._began = False
         self._s = self._v = 0.0
-        self._setpoint = JointSetPoint.at_rest(entry.segment.q_end)
-        self._axes.update(_ends(entry))
+        self.setpoint = JointSetPoint.at_rest(entry.segment.q_end)
+        self.axes.update(_ends(entry))
         if self._stopping:
             self._drop()
         return False
@@ -493,11 +481,11 @@ class Mover:
         self._path_piece = path.piece(s, self._path_piece)
         self._elapsed += self._cycle
         state = path.state(self._path_piece, s, v, a)
-        self._setpoint = JointSetPoint(state[0], state[1], state[2])
+        self.setpoint = JointSetPoint(state[0], state[1], state[2])
         if axes is not None and entry.segment.axes is not None:
             self._axes_piece = axes.piece(s, self._axes_piece)
             at: list[float] = axes.state(self._axes_piece, s, v, a)[0].tolist()
-            self._axes.update(zip(entry.segment.axes.numbers, at, strict=True))
+            self.axes.update(zip(entry.segment.axes.numbers, at, strict=True))
 
 
 def _ends(entry: Entry) -> dict[int, float]:

@@ -154,7 +154,7 @@ class RealtimeFollower(TargetFollower):
         self._resumed()
 
     def _resumed(self) -> None:
-        q = self._setpoint.q
+        q = self.setpoint.q
         self._target = None
         self._began = False
         self._starved = 0.0
@@ -164,7 +164,7 @@ class RealtimeFollower(TargetFollower):
     def _next(self, q: Array, qd: Array) -> JointSetPoint:  # noqa: ARG002 - it follows no sensors
         self._take()
         if self._target is None:
-            return JointSetPoint.at_rest(self._setpoint.q)
+            return JointSetPoint.at_rest(self.setpoint.q)
         if self._what is Follow.POSE:
             return self._to(self._joints(self._target))
         self._filtered = self._filtered + self._share * (self._target - self._filtered)
@@ -182,7 +182,7 @@ class RealtimeFollower(TargetFollower):
                 )
             return
         self._starved = 0.0
-        arm, q = self._arm, self._setpoint.q
+        arm, q = self._arm, self.setpoint.q
         values = command.values(self._what)
         if not self._began:
             wrong = mismatch(arm, q, command, self._what, self._tool, self._wobj)
@@ -197,7 +197,7 @@ class RealtimeFollower(TargetFollower):
         self._target = values
 
     def _to(self, q: Array) -> JointSetPoint:
-        last = self._setpoint
+        last = self.setpoint
         qd = (q - last.q) / self._cycle
         return JointSetPoint(q, qd, (qd - last.qd) / self._cycle)
 
@@ -209,7 +209,7 @@ class RealtimeFollower(TargetFollower):
         moved[:3, :3] = matrix_from_rotvec(self._share * turn) @ here[:3, :3]
         self._pose = moved
         try:
-            return self._arm.ikine(moved @ self._untool, self._setpoint.q, max_jump=MAX_JUMP)
+            return self._arm.ikine(moved @ self._untool, self.setpoint.q, max_jump=MAX_JUMP)
         except Unreachable as exc:
             raise FollowError(f"realtime control: {exc}", self.severity) from exc
 
@@ -218,7 +218,7 @@ class RealtimeFollower(TargetFollower):
             return self._filtered
         rotation = self._wobj[:3, :3]
         twist = np.concatenate([rotation @ self._filtered[:3], rotation @ self._filtered[3:]])
-        half = self._setpoint.q + 0.5 * self._cycle * self._setpoint.qd
+        half = self.setpoint.q + 0.5 * self._cycle * self.setpoint.qd
         try:
             return joint_speeds(self._arm, half, twist, self._tool)
         except FollowError as exc:

@@ -1,4 +1,9 @@
-"""Segments: motions with a path and its limits, ready to be timed."""
+"""Segments: motions with a path and its limits, ready to be timed.
+
+External axes that move together with the arm (外部轴, manual 1.3.14) share the motion's path: the
+position of each axis is linear in the distance along it. So one time law moves arm and axes; they
+start and end together, and stay synchronous through pauses, stops and changes of the global speed.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +16,7 @@ import numpy as np
 from aioduco.kinematics.forward import fkine
 from aioduco.models.rotation import Array, rotvec_from_matrix
 from aioduco.sim.planner.curves import Curve, StraightLine, arc_through, spiral, spline
-from aioduco.sim.planner.motion_limits import joint_limits, tool_limits
+from aioduco.sim.planner.motion_limits import SHARE, axes_limits, joint_limits, tool_limits
 from aioduco.sim.planner.path import Path, PlanError
 from aioduco.sim.planner.slices import LONG_SLICE, slices, yield_now
 from aioduco.sim.planner.timing import PathLimits, backward, fastest
@@ -21,7 +26,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from aioduco.kinematics import Arm
-    from aioduco.sim.planner.axes import ExternalAxesMove
     from aioduco.sim.planner.weaving import Weave
 
 __all__ = [
@@ -53,6 +57,34 @@ class PathOptions(TypedDict, total=False):
 
     weave: Weave | None
     around: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ExternalAxesMove:
+    """Movement of external axes during a motion, in the unit of each: rad or m.
+
+    Attributes:
+        numbers: numbers of the axes.
+        start: positions at the start. Shape (n,).
+        end: positions at the end. Shape (n,).
+        velocity: highest speeds [1/s]. Shape (n,).
+        acceleration: highest accelerations [1/s²]. Shape (n,).
+        braking: accelerations that their drives can do, which a stop uses [1/s²]. Shape (n,).
+        path: positions over the distance along the motion's path; None before `segments.carry`.
+    """
+
+    numbers: tuple[int, ...]
+    start: Array
+    end: Array
+    velocity: Array
+    acceleration: Array
+    braking: Array
+    path: Path | None = None
+
+    def limits(self, path: Path, nodes: Array, share: float = SHARE) -> PathLimits:
+        """Give the limits along the path from the axes' speeds and accelerations."""
+        speeds, rates, ways = self.velocity, self.acceleration, path.sample(nodes)
+        return axes_limits(nodes, ways, speeds, rates, self.braking, share)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

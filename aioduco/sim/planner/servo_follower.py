@@ -66,29 +66,25 @@ class ServoFollower(TargetFollower):
 
     def __init__(self, arm: Arm, q: Array, cycle: float) -> None:
         super().__init__(arm, q, cycle)
-        self._target = np.array(q)
-        self._once, self._twice = self._target, self._target  # the target, smoothed
+        #: joints to go to [rad]. Shape (6,)
+        self.target: Array = np.array(q)
+        self._once, self._twice = self.target, self.target  # the target, smoothed
         self._held = 0.0  # time at the target
         self._tuning = ServoTuning(0.0, 0.0, 0.0, 0.0, 1.0, 0.0)
 
-    @property
-    def target(self) -> Array:
-        """Joints to go to [rad]. Shape (6,)."""
-        return self._target
-
     def aim(self, target: Array, tuning: ServoTuning) -> None:
         """Set other joints as the target [rad], shape (6,), and how to follow it."""
-        self._target = target
+        self.target = target
         self._held = 0.0
         self._tuning = tuning
 
     def _resumed(self) -> None:
         # The filters restart from the arm's position: targets during the pause do not count.
-        self._once = self._twice = self._setpoint.q
+        self._once = self._twice = self.setpoint.q
 
     def _next(self, q: Array, qd: Array) -> JointSetPoint:  # noqa: ARG002 - it follows no sensors
-        tuning, cycle, last = self._tuning, self._cycle, self._setpoint
-        self._once = self._once + (self._target - self._once) * _share(
+        tuning, cycle, last = self._tuning, self._cycle, self.setpoint
+        self._once = self._once + (self.target - self._once) * _share(
             tuning.smooth_vel * _SPEED_SMOOTHING, cycle
         )
         before = self._twice
@@ -97,11 +93,11 @@ class ServoFollower(TargetFollower):
         )
         rate = (self._twice - before) / cycle
         error = self._twice - last.q
-        if np.abs(last.qd).max() < _STILL and np.abs(self._target - last.q).max() < _THERE:
+        if np.abs(last.qd).max() < _STILL and np.abs(self.target - last.q).max() < _THERE:
             self._held += cycle
             if self._held >= _HOLD:
                 self._end()
-                return self._setpoint
+                return self.setpoint
         change = min(tuning.a, _UNLIMITED_ACCELERATION) * cycle
         speed = last.qd + np.clip(
             (tuning.kp * error + tuning.kd * (rate - last.qd)) * cycle, -change, change

@@ -145,6 +145,8 @@ class _Node:
 
 
 class _Track(TargetFollower):
+    setpoint: JointSetPoint
+
     def __init__(
         self,
         arm: Arm,
@@ -282,7 +284,7 @@ class _Track(TargetFollower):
             if not self._underrun:
                 self._end()
             self._underrun = False
-            return JointSetPoint.at_rest(self._setpoint.q)
+            return JointSetPoint.at_rest(self.setpoint.q)
         most = self._v * self._speed / self._nodes[0].stretch
         rate = min(self._rate + self._along * self._cycle, most)
         rate = max(rate, self._rate - self._along * self._cycle)
@@ -308,7 +310,7 @@ class _Track(TargetFollower):
             return
         change = self._along * self._cycle
         try:
-            self._setpoint = self._go(max(self._rate - change, 0.0))
+            self.setpoint = self._go(max(self._rate - change, 0.0))
         except FollowError as exc:
             self._fail(exc)
             super()._slow_down()
@@ -328,8 +330,8 @@ class _Track(TargetFollower):
             return JointSetPoint.at_rest(q)
         self._pool.take_to(self._nodes[0].number)
         q = self._joints(self._curve())
-        qd = (q - self._setpoint.q) / self._cycle if rate > 0.0 else np.zeros(6)
-        return JointSetPoint(q, qd, (qd - self._setpoint.qd) / self._cycle)
+        qd = (q - self.setpoint.q) / self._cycle if rate > 0.0 else np.zeros(6)
+        return JointSetPoint(q, qd, (qd - self.setpoint.qd) / self._cycle)
 
     def _pass(self) -> None:
         self._here = self._nodes.popleft()
@@ -426,7 +428,7 @@ class ToolTrack(_Track):
     def _joints(self, x: Array) -> Array:
         goal = transform(_rotation(x), x[:3])
         try:
-            return self._arm.ikine(goal @ self._untool, self._setpoint.q, max_jump=MAX_JUMP)
+            return self._arm.ikine(goal @ self._untool, self.setpoint.q, max_jump=MAX_JUMP)
         except Unreachable as exc:
             raise FollowError(f"the way through the track pool: {exc}") from exc
 

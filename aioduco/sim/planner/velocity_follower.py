@@ -71,11 +71,11 @@ class JointVelocity(_Velocity):
     """Turns each joint at a velocity [rad/s], ramped at an acceleration [rad/s²]."""
 
     def _resumed(self) -> None:
-        self._present = self._setpoint.qd
+        self._present = self.setpoint.qd
 
     def _next(self, q: Array, qd: Array) -> JointSetPoint:  # noqa: ARG002 - it follows no sensors
         speeds = self._ramp()
-        return self._setpoint if self._ended else self._step(speeds)
+        return self.setpoint if self.ended else self._step(speeds)
 
 
 class ToolVelocity(_Velocity):
@@ -107,13 +107,13 @@ class ToolVelocity(_Velocity):
 
     def _next(self, q: Array, qd: Array) -> JointSetPoint:  # noqa: ARG002 - it follows no sensors
         velocity = self._ramp()
-        if self._ended:
-            return self._setpoint
+        if self.ended:
+            return self.setpoint
         # The mean of the speeds at both ends of the step would need the end. The speed half a step
         # ahead is as exact.
-        half = self._setpoint.q + 0.5 * self._cycle * self._setpoint.qd
+        half = self.setpoint.q + 0.5 * self._cycle * self.setpoint.qd
         here = joint_speeds(self._arm, half, self._rotated(half, velocity), self.tool)
-        last = self._setpoint
+        last = self.setpoint
         point = self._step(here)
         point.q[:] = last.q + self._cycle * here
         return point

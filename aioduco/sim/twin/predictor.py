@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+import heapq
+import itertools
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import numpy as np
 
 from aioduco.kinematics.forward import frames
 from aioduco.models.enums import ProgramState, RobotState
 from aioduco.models.pose import Pose
+from aioduco.sim.twin.data import Six, TwinCommand, TwinSample
 from aioduco.sim.twin.rehearsal import PATHS, Match, Rehearsal
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
-    from aioduco.sim.twin.data import Six, TwinCommand, TwinSample
 
 
 #: time by which the rehearsal gets commands before the arm, so that it is never behind [s]
@@ -186,3 +190,41 @@ def _lever(chain: Array) -> Array:
     x, y, z = chain[:6, :3, 2].T
     a, b, c = chain[6, :3, 3, None] - chain[:6, :3, 3].T
     return np.array((y * c - z * b, z * a - x * c, x * b - y * a))
+
+
+Item: TypeAlias = TwinSample | TwinCommand
+
+#: time for which samples are held back, so that commands of before can arrive [s]
+HELD = AHEAD + 0.03
+
+
+class Timeline:
+    """Holds samples and commands back for a moment, and gives them in order.
+
+    A command counts `AHEAD` before its time: a rehearsal that is behind the arm could not say where
+    the arm should be.
+    """
+
+    def __init__(self) -> None:
+        self._waiting: list[tuple[float, int, Item]] = []
+        self._count = itertools.count()
+        self._newest = 0.0
+
+    def put(self, item: Item) -> None:
+        """Add a sample or a command, in any order."""
+        at = item.time
+        if isinstance(item, TwinCommand):
+            at -= AHEAD
+        else:
+            self._newest = max(self._newest, at)
+        heapq.heappush(self._waiting, (at, next(self._count), item))
+
+    def due(self) -> Iterator[Item]:
+        """Take what came so long before the newest sample that nothing earlier can arrive."""
+        while self._waiting and self._waiting[0][0] <= self._newest - HELD:
+            yield heapq.heappop(self._waiting)[2]
+
+    def rest(self) -> Iterator[Item]:
+        """Take all that is left, in order."""
+        while self._waiting:
+            yield heapq.heappop(self._waiting)[2]

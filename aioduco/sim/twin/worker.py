@@ -10,7 +10,7 @@ from aioduco._process.linked_process import ValueChannel
 from aioduco.kinematics import arm
 from aioduco.sim.twin.data import Divergence, TwinCommand, TwinSample
 from aioduco.sim.twin.monitor import TwinFigures, TwinMonitor
-from aioduco.sim.twin.timeline import Timeline
+from aioduco.sim.twin.predictor import Timeline
 
 if TYPE_CHECKING:
     from aioduco.models.pose import Pose

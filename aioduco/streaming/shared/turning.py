@@ -13,12 +13,10 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
 from aioduco.errors import ControllerError, ParameterError
 from aioduco.streaming.shared.config import FrameRotation
-from aioduco.streaming.shared.space import POSE_SPACE, rotated
+from aioduco.streaming.shared.space import POSE_SPACE, Config, rotated
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
-
-    from aioduco.streaming.shared.space import Config
 
 
 #: the robot's base, the tool, or a work object

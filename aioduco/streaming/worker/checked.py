@@ -12,8 +12,8 @@ import time
 from typing import TYPE_CHECKING
 
 from aioduco.envelope.checker import SLOW_SHARE, STOPPING, EnvelopeChecker
-from aioduco.streaming.shared.space import POSE_SPACE, rotated
-from aioduco.streaming.worker.limiter import Limiter
+from aioduco.streaming.shared.space import POSE_SPACE, Config, Space, rotated
+from aioduco.streaming.worker.limiter import JerkLimiter, Limiter
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from aioduco.envelope.limits import Crossing
     from aioduco.envelope.zones import Point
     from aioduco.streaming.shared.config import CheckedEnvelope, WorkerConfig
-    from aioduco.streaming.shared.space import Config, Space
-    from aioduco.streaming.worker.limiter import JerkLimiter
 
 
 _STEP = 0.02  # length of one checked step between two points [m, rad]

@@ -6,13 +6,12 @@ import time
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING
 
-from aioduco.streaming.shared.words import StatusWord
+from aioduco.streaming.shared.words import Reason, StatusWord, StreamState
 from aioduco.streaming.worker.watch import disabled, ended
 
 if TYPE_CHECKING:
     from aioduco._wire.connection import Connection
     from aioduco.streaming.shared.block import Block
-    from aioduco.streaming.shared.words import Reason, StreamState
     from aioduco.streaming.worker.life import Life
 
 

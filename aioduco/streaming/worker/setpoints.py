@@ -11,10 +11,10 @@ import json
 import time
 from typing import TYPE_CHECKING, TypeAlias
 
-from aioduco.streaming.shared.space import POSE_SPACE, too_far
+from aioduco.streaming.shared.space import POSE_SPACE, Config, Limits, Space, too_far
 from aioduco.streaming.shared.turning import Directions
 from aioduco.streaming.shared.words import ActionTag, Reason, StatusWord, StreamState
-from aioduco.streaming.worker.interpolation import interpolator
+from aioduco.streaming.worker.interpolation import Linear, interpolator
 from aioduco.streaming.worker.life import Life
 from aioduco.streaming.worker.limiter import JerkLimiter, Limiter, SpeedGenerator
 
@@ -26,10 +26,8 @@ if TYPE_CHECKING:
     from aioduco.streaming.shared.block import Block
     from aioduco.streaming.shared.options import Feeding
     from aioduco.streaming.shared.ring import SetPoint
-    from aioduco.streaming.shared.space import Config, Limits, Space
     from aioduco.streaming.worker.checked import EnvelopeCheck
     from aioduco.streaming.worker.chunks import ActionTimeline
-    from aioduco.streaming.worker.interpolation import Linear
 
 
 _LONGEST = 0.5  # seconds between two targets: the longest interval from which a slope is computed

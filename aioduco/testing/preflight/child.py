@@ -28,9 +28,8 @@ from aioduco.sim.simulator import Simulator
 from aioduco.testing.preflight import lines, patches
 from aioduco.testing.preflight.borders import block_outside_access
 from aioduco.testing.preflight.program_clock import ProgramClock
-from aioduco.testing.preflight.program_simulator import ProgramSimulator
 from aioduco.testing.preflight.run_recorder import RunRecorder
-from aioduco.testing.preflight.tried_controller import TriedController
+from aioduco.testing.preflight.tried_controller import ProgramSimulator, TriedController
 from aioduco.testing.preflight.tried_program import TriedProgram
 from aioduco.testing.preflight.variation import Variation
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
     from aioduco.testing.preflight.program_clock import ProgramClock
-    from aioduco.testing.preflight.program_simulator import ProgramSimulator
+    from aioduco.testing.preflight.tried_controller import ProgramSimulator
 
     Settings = TypeVar("Settings", bound=DataclassInstance)
 

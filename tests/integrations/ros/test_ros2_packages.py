@@ -18,7 +18,7 @@ import yaml
 import aioduco
 from aioduco.cli.ros import _ROS2
 from aioduco.integrations.ros.node_parameters import parameter_defaults
-from aioduco.integrations.ros.ros1.definitions import MESSAGES, SERVICES
+from aioduco.integrations.ros.ros1.message_classes import MESSAGES, SERVICES
 
 ROOT = Path(__file__).parents[3]
 PACKAGES = ROOT / "integrations" / "ros2"

@@ -9,8 +9,12 @@ import pytest
 
 from aioduco.models.enums import RobotState
 from aioduco.sim.calibration.evidence import Motions, Reads, StateRead, TimedCall
-from aioduco.sim.calibration.heartbeat import estimate_slack
-from aioduco.sim.calibration.times import estimate_period, estimate_times, single_precision
+from aioduco.sim.calibration.times import (
+    estimate_period,
+    estimate_slack,
+    estimate_times,
+    single_precision,
+)
 
 from .made import READY, changes, empty
 

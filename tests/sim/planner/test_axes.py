@@ -9,8 +9,14 @@ import numpy as np
 import pytest
 
 from aioduco.models.rotation import Array
-from aioduco.sim.planner.axes import ExternalAxesMove
-from aioduco.sim.planner.segments import Segment, arc_move, joint_move, line_move, stay
+from aioduco.sim.planner.segments import (
+    ExternalAxesMove,
+    Segment,
+    arc_move,
+    joint_move,
+    line_move,
+    stay,
+)
 
 from .motions import CYCLE, FIVE, HOME, moving, trapezoid
 

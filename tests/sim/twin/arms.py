@@ -12,8 +12,8 @@ from aioduco.kinematics import arm as arm_of
 from aioduco.models.enums import ProgramState, RobotState, SafetyState
 from aioduco.models.pose import Pose
 from aioduco.sim.twin.data import TwinCommand, TwinSample
+from aioduco.sim.twin.predictor import Timeline
 from aioduco.sim.twin.rehearsal import _Run
-from aioduco.sim.twin.timeline import Timeline
 
 ARM = arm_of("gcr5_910")
 READY = (0.0, 0.0, 1.57, 0.0, -1.57, 0.0)

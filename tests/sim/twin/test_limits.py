@@ -13,8 +13,7 @@ import pytest
 
 from aioduco.errors import ParameterError
 from aioduco.sim.twin.limits import TwinLimits, deviations, learn
-from aioduco.sim.twin.predictor import AHEAD
-from aioduco.sim.twin.timeline import HELD, Timeline
+from aioduco.sim.twin.predictor import AHEAD, HELD, Timeline
 
 from .arms import ARM, NOWHERE, READY, PerfectArm, movej2, work
 from .test_monitor import EFFORT, rubbing

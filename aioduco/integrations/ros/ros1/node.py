@@ -164,11 +164,7 @@ class _Goal:
         self._handle = handle
         self._arrived = arrived
         self._caller = handle.goal._connection_header.get("callerid", "")
-        self._goal = conversions.goal(handle.goal.goal)
-
-    @property
-    def goal(self) -> TrajectoryGoal:
-        return self._goal
+        self.goal: TrajectoryGoal = conversions.goal(handle.goal.goal)
 
     def alive(self) -> bool:
         return self._shell.is_connected(self._caller)

@@ -108,13 +108,9 @@ class _ActionGoal:
         self._node = node
         self._handle = handle
         self._seen: set[bytes] = set()
-        self._goal = conversions.goal(handle.request)
+        self.goal: TrajectoryGoal = conversions.goal(handle.request)
         #: the result, for rclpy
         self.done = Future()
-
-    @property
-    def goal(self) -> TrajectoryGoal:
-        return self._goal
 
     def alive(self) -> bool:
         # A client may be discovered later than its goal. rclpy does not report the client of a
