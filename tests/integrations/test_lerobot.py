@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import sys
 from pathlib import Path
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from aioduco.errors import ParameterError
+from aioduco.testing import eventually
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -59,7 +61,8 @@ def duco(monkeypatch: pytest.MonkeyPatch, duco_simulator: Simulator) -> Iterator
     robot = module.Duco(config)
     robot.connect()
     yield robot
-    robot.disconnect()
+    if robot.is_connected:
+        robot.disconnect()
     monkeypatch.delitem(sys.modules, "lerobot_robot_duco.duco")
 
 
@@ -81,3 +84,26 @@ def test_an_action_a_little_beyond_a_joint_s_end_is_cut(duco: Any) -> None:
     seen = duco.get_observation()
     sent = duco.send_action({**seen, "joint_1.pos": 6.3})
     assert sent["joint_1.pos"] == pytest.approx(seen["joint_1.pos"] + 0.05)
+
+
+def interrupted(duco: Any) -> None:
+    """End as a command of LeRobot does after Ctrl-C."""
+    try:
+        raise KeyboardInterrupt
+    finally:
+        duco.disconnect()
+
+
+@pytest.mark.duco_speed(1.0)  # a stream's times are the wall's
+def test_an_interrupt_of_lerobot_s_loop_brakes_the_arm_far_from_the_last_action(
+    duco: Any, duco_simulator: Simulator
+) -> None:
+    action = duco.get_observation()
+    start = action["joint_1.pos"]
+    for number in range(1, 21):
+        duco.send_action({**action, "joint_1.pos": start + 0.05 * number})
+    eventually(lambda: duco_simulator.joints[0] > start + 0.01)
+    with contextlib.suppress(KeyboardInterrupt):
+        interrupted(duco)
+    assert not duco_simulator.moving
+    assert duco_simulator.joints[0] < start + 0.8

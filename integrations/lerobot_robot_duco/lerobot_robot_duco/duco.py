@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+import sys
 from contextlib import ExitStack
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -53,7 +54,6 @@ class Duco(Robot):
         self._open: ExitStack | None = None
         self._robot: aioduco.sync.Robot | None = None
         self._stream: aioduco.sync.Stream | None = None
-        self._streaming: ExitStack = ExitStack()
         self._last: tuple[float, ...] | None = None
 
     # -- what it gives and takes ---------------------------------------------------------------
@@ -127,12 +127,17 @@ class Duco(Robot):
             self._connected().bring_up()
 
     def disconnect(self) -> None:
-        """Follow the last action to its end, and leave the arm standing."""
+        """Follow the last action to its end, and leave the arm standing.
+
+        While an error is handled, as in the `finally` with which LeRobot's commands end after
+        Ctrl-C, the arm brakes at once.
+        """
         self._connected()
         assert self._open is not None
+        error = sys.exception()
         with self._open:
             self._open = None
-            self._end_stream()
+            self._end_stream(error)
 
     def _connected(self) -> aioduco.sync.Robot:
         if self._robot is None:
@@ -219,14 +224,15 @@ class Duco(Robot):
                 reach=2 * config.max_step,
                 options=WorkerOptions(timeout=config.timeout),
             )
-            self._streaming.enter_context(stream)
-            self._stream = stream
+            self._stream = stream.__enter__()
         return self._stream
 
-    def _end_stream(self, *, starved: bool = False) -> None:
-        self._stream = self._last = None
+    def _end_stream(self, error: BaseException | None = None, *, starved: bool = False) -> None:
+        stream, self._stream, self._last = self._stream, None, None
+        if stream is None:
+            return
         try:
-            self._streaming.close()
+            stream.__exit__(None, error, None)
         except StreamStarved:
             # It has ended by itself since the last action, and the arm stands.
             if not starved:
