@@ -271,6 +271,19 @@ def test_what_is_not_run_says_why_and_is_little() -> None:
             assert (ROOT / named).exists(), named
 
 
+def test_a_new_environment_gets_the_package_from_the_clone() -> None:
+    """Of an index pip would take another package of that name, or none."""
+    blocks = [block for page in PAGES for block in page.blocks if block.language in SHELL]
+    first = [
+        line
+        for block in blocks
+        for line in re.findall(r".*pip install .*", block.code)
+        if "-m venv" in block.code or "/lerobot_robot_duco" in line
+    ]
+    assert len(first) > 5
+    assert [line for line in first if not re.search(r" '?\.(/aioduco)?(\[|'| )", line)] == []
+
+
 @pytest.mark.parametrize("page", [p for p in PAGES if p.path.startswith("docs/zh/")])
 def test_a_page_in_chinese_has_the_blocks_of_the_english_one(page: Page) -> None:
     name = page.path.removeprefix("docs/zh/")
