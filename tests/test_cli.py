@@ -665,6 +665,7 @@ def test_a_command_says_why_it_cannot_be_carried_out(words: str, code: int, says
         ("play run.mcap --port 7003", "--port"),
         ("plot stream.json --over run.mcap", "--over"),
         ("demo --port 7003", "--port"),
+        ("call movel --describe --json", "--json"),
         (f"demo --host {NOBODY} --speed 2 --yes", "--speed"),
         ("demo --plan --plot plan.png", "--plot"),
         ("demo --pictures .", "--pictures"),

@@ -11,7 +11,7 @@ import typer
 
 from aioduco.cli.addresses import CellFile, HostOption, Port, robot_at
 from aioduco.cli.exit_codes import ended_by_errors, fail
-from aioduco.cli.options import Json
+from aioduco.cli.options import Json, refuse_unused
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import ask
 from aioduco.cli.sessions import limits_at
@@ -36,6 +36,7 @@ def _functions(incomplete: str) -> list[str]:
 
 
 def call(
+    context: typer.Context,
     name: Annotated[
         str,
         typer.Argument(
@@ -86,6 +87,7 @@ def call(
     robot = aioduco.sync.connect(address.host, address.port, lag_limit=None)
     function = function_of(robot, where)
     if describe:
+        refuse_unused(context, "a call, without --describe", "json")
         # annotations are strings, which a signature shows in quotes
         signature = re.sub(r"(: |-> )'([^']+)'", r"\1\2", str(inspect.signature(function)))
         say(f"{where}{signature}\n\n{inspect.getdoc(function)}")
