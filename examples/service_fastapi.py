@@ -7,13 +7,16 @@
     curl -X POST http://127.0.0.1:8000/move -H 'content-type: application/json' -d '{"to": "home"}'
     curl -X POST http://127.0.0.1:8000/stop
 
-A motion is started and told by its number: nobody's request waits for it. Who may move an arm is
-decided by a proxy before this, not here: it listens on loopback. Needs fastapi and uvicorn.
+A motion is started and told by its number: nobody's request waits for it, and the state says how
+the last one went. Who may move an arm is decided by a proxy before this, not here: it listens on
+loopback. Needs fastapi and uvicorn.
 """
 
 from __future__ import annotations
 
 import argparse
+import asyncio
+from collections import deque
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -43,6 +46,8 @@ class Move(BaseModel):
 def service(host: str, port: int = 7003) -> FastAPI:
     """The service of one arm. It is connected as long as the service runs, and stands after it."""
     here: dict[str, aioduco.Robot] = {}
+    last: deque[aioduco.Task] = deque(maxlen=1)
+    starting = asyncio.Lock()  # two requests at once would both find an arm that is not busy
 
     @asynccontextmanager
     async def connected(_: FastAPI) -> AsyncIterator[None]:
@@ -61,17 +66,19 @@ def service(host: str, port: int = 7003) -> FastAPI:
             "safety": sample.states.safety.name,
             "joints": list(sample.status.joints),
             "tasks": [task.name for task in here["robot"].tasks],
+            "last": {"task": last[0].id, "state": last[0].state.name} if last else None,
         }
 
     @app.post("/move", status_code=202)
     async def move(wanted: Move) -> dict[str, Any]:
         if wanted.to not in PLACES:
             raise HTTPException(404, f"there is no place {wanted.to!r}: {', '.join(PLACES)}")
-        if here["robot"].tasks:
-            raise HTTPException(409, "the arm is busy; stop it, or ask again")
         try:
-            motion = here["robot"].motion.movej2(PLACES[wanted.to], v=wanted.v, a=1.5)
-            task = await motion.start()
+            async with starting:
+                if here["robot"].tasks:
+                    raise HTTPException(409, "the arm is busy; stop it, or ask again")
+                motion = here["robot"].motion.movej2(PLACES[wanted.to], v=wanted.v, a=1.5)
+                last.append(task := await motion.start())
         except aioduco.ParameterError as error:
             raise HTTPException(422, str(error)) from error
         except aioduco.DucoError as error:

@@ -9,6 +9,7 @@ import socket
 import subprocess
 import sys
 from collections.abc import AsyncIterator, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -55,7 +56,23 @@ def test_a_web_service_with_a_stop(sim: Simulator) -> None:
         assert client.post("/stop").json() == {"arm": "stands"}
         assert not sim.view.moving
         eventually(lambda: not client.get("/state").json()["tasks"])
+        assert client.get("/state").json()["last"]["state"] == "STOPPED"
     assert not sim.view.moving
+
+
+def test_a_web_service_starts_one_of_several_motions_that_are_asked_for_at_once(
+    sim: Simulator,
+) -> None:
+    need("fastapi")
+    client_of = need("starlette.testclient").TestClient
+    with client_of(example("service_fastapi").service(sim.host, sim.port)) as client:
+
+        def move(to: str) -> int:
+            return int(client.post("/move", json={"to": to, "v": 0.1}).status_code)
+
+        with ThreadPoolExecutor(6) as threads:
+            answers = list(threads.map(move, ["left", "right", "home"] * 2))
+    assert sorted(answers) == [202, *[409] * 5]
 
 
 async def test_an_opc_ua_client_moves_and_stops_it(robot: aioduco.Robot, sim: Simulator) -> None:
