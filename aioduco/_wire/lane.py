@@ -9,6 +9,7 @@ import time
 import warnings
 import weakref
 from collections import deque
+from contextvars import copy_context
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import anyio
@@ -295,7 +296,7 @@ class WireLane:
         begun = time.monotonic()
         seconds = self.call_timeout if timeout is ... else timeout
         deadline = None if seconds is None else begun + seconds
-        over, ended = loop.create_future(), self._ended
+        over, ended = loop.create_future(), self._end_of_call()
         return LaneCall(
             function, encoded, deadline, permit, args=args, over=over, ended=ended, begun=begun
         )
@@ -443,6 +444,13 @@ class WireLane:
         made = self._make(loop, self._endpoint, self._waiting)
         self._carriers.append(made)
         return made
+
+    def _end_of_call(self) -> Callable[[LaneCall], object]:
+        """What a call does at its end: a hook gets the caller's context, such as its span."""
+        if self._trace is None:
+            return self._ended
+        context = copy_context()
+        return lambda call: context.run(self._ended, call)
 
     def _ended(self, call: LaneCall) -> None:
         """Count and report a call that is over."""

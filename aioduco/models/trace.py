@@ -1,7 +1,8 @@
 """A hook that observes the calls on the wire: for loggers, recorders and benchmarks.
 
 A hook is any callable that takes a `TraceEvent`. It runs on a separate thread and gets the events
-one after another, in their order, shortly after they happened: `TraceEvent.at` has the time. An
+one after another, in their order, shortly after they happened: `TraceEvent.at` has the time. It
+gets the context variables of the call's caller, such as the current span of OpenTelemetry. An
 exception of a hook is logged. A hook that blocks delays the next events and the log messages of
 this package, but never a call or a stop. If a hook is too slow, up to 10,000 events wait; further
 ones are dropped, and the log says how many. When a robot has been closed, the hook has got all of

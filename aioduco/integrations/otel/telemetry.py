@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import anyio
 from opentelemetry import metrics, trace
+from opentelemetry.context import Context
 from opentelemetry.trace import Span, SpanKind, StatusCode, TracerProvider
 
 import aioduco
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
 _NAME: Final = "aioduco"
 #: lanes whose calls are reported
 _LANES: Final = ("stop", "control", "poll", "motion", "feed", "call", "blocking")
+#: lanes of which no call is the program's: they belong to no span of it
+_OF_THE_PACKAGE: Final = ("poll", "feed")
 #: the lane on which motions are started, and the function that polls their state
 _MOTIONS: Final = "motion"
 _ASK: Final = "get_noneblock_taskstate"
@@ -214,7 +217,12 @@ class Telemetry(Uncopied):
         began = event.at - event.duration
         motion = self._begun(event, began)
         if event.lane not in self._without:
-            span = self._span(f"duco.{event.function}", began, motion, SpanKind.CLIENT)
+            within = None
+            if event.lane in _OF_THE_PACKAGE:
+                within = Context()
+            elif motion is not None:
+                within = trace.set_span_in_context(motion.span)
+            span = self._span(f"duco.{event.function}", began, within, SpanKind.CLIENT)
             span.set_attributes({"duco.lane": event.lane, **self._server})
             self._end(span, event.at, outcome, event.error)
         if event.function == _ASK and event.arguments:
@@ -259,13 +267,13 @@ class Telemetry(Uncopied):
         self,
         name: str,
         began: float,
-        motion: _Motion | None = None,
+        within: Context | None = None,
         kind: SpanKind = SpanKind.INTERNAL,
     ) -> Span:
-        context = None if motion is None else trace.set_span_in_context(motion.span)
+        """Begin a span, in the caller's own one if no other context is given."""
         attributes = self._named()
         return self._tracer.start_span(
-            name, context, kind, attributes=attributes, start_time=self._wall(began)
+            name, within, kind, attributes=attributes, start_time=self._wall(began)
         )
 
     def _end(self, span: Span, at: float, outcome: str, error: BaseException | None) -> None:

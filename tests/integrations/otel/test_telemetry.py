@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import subprocess
 import sys
 import time
@@ -68,6 +69,46 @@ class Backend:
 def called(function: str, result: Any, *arguments: Any, **more: Any) -> CallFinished:
     options = {"lane": "motion", "error": None, "duration": 0.25, "at": time.monotonic(), **more}
     return CallFinished(function=function, result=result, arguments=arguments, **options)
+
+
+@pytest.mark.parametrize("blocking", [False, True])
+async def test_what_the_program_asks_for_is_in_its_own_span(
+    duco_simulator: Simulator, blocking: bool
+) -> None:
+    backend = Backend()
+    address = (duco_simulator.host, duco_simulator.port)
+    tracer = backend.tracers.get_tracer("program")
+    clock = duco_simulator.clock
+
+    async def run() -> None:
+        async with aioduco.connect(*address, trace=backend.telemetry(), clock=clock) as robot:
+            await robot.feed.latest()  # the feed begins outside
+            with tracer.start_as_current_span("job"):
+                await robot.bring_up()
+                await robot.motion.movej2([0.1] * 6, 1.0, 1.0)
+
+    def run_blocking() -> None:
+        with aioduco.sync.connect(*address, trace=backend.telemetry(), clock=clock) as robot:
+            robot.feed.latest()
+            with tracer.start_as_current_span("job"):
+                robot.bring_up()
+                robot.motion.movej2([0.1] * 6, 1.0, 1.0)
+
+    await (asyncio.to_thread(run_blocking) if blocking else run())
+
+    def parents(name: str) -> set[int | None]:
+        spans = backend.spans(name)
+        assert spans, name
+        return {span.parent.span_id if span.parent else None for span in spans}
+
+    def number(name: str) -> Any:
+        (span,) = backend.spans(name)
+        assert span.context is not None
+        return span.context.span_id
+
+    assert parents("duco.motion movej2") == parents("duco.bring_up") == {number("job")}
+    assert parents("duco.movej2") == {number("duco.motion movej2")}
+    assert parents("duco.get_noneblock_taskstate") == {None}
 
 
 @pytest.mark.parametrize("lanes", [("fed",), ("heartbeat",), "feed", None, 3])
