@@ -284,6 +284,20 @@ def test_a_new_environment_gets_the_package_from_the_clone() -> None:
     assert [line for line in first if not re.search(r" '?\.(/aioduco)?(\[|'| )", line)] == []
 
 
+def test_no_line_of_a_page_in_chinese_ends_within_a_sentence() -> None:
+    """A browser shows a space there."""
+    wide = r"[\u3001-\u303f\u4e00-\u9fff\uff01-\uff5e]"
+    found = [
+        f"{path.name}: {broken}"
+        for path in [*(ROOT / "docs").rglob("*zh*/*.md"), *ROOT.glob("README.zh*")]
+        for broken in re.findall(
+            rf".{{0,8}}{wide}\n *{wide}.{{0,8}}",
+            re.sub("```.*?```", "", path.read_text("utf-8"), flags=re.DOTALL),
+        )
+    ]
+    assert found == []
+
+
 @pytest.mark.parametrize("page", [p for p in PAGES if p.path.startswith("docs/zh/")])
 def test_a_page_in_chinese_has_the_blocks_of_the_english_one(page: Page) -> None:
     name = page.path.removeprefix("docs/zh/")
