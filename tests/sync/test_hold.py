@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable
 
 import pytest
@@ -48,6 +49,17 @@ def test_it_is_stopped_when_the_program_hangs(robot: Robot, desk: Desk) -> None:
         task.wait()
     assert "robot.sleep" in caught.value.__notes__[0]
     assert not desk.moving()
+
+
+def test_samples_hold_it_and_properties_of_its_task_do_not(robot: Robot, desk: Desk) -> None:
+    """As in a window, whose timer looks at the arm."""
+    task = robot.motion.speedl.start(DOWN, a=1.0, time=None)
+    until = time.monotonic() + 1.0  # five times the limit
+    while time.monotonic() < until:
+        robot.feed.latest(max_age=5.0)
+    assert "stop" not in desk.commands
+    eventually(lambda: task.done)
+    assert "stop" in desk.commands
 
 
 @pytest.mark.slow
