@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import time
+from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any, Self
 
 import anyio.lowlevel
 
 from aioduco._process.copying import Uncopied
-from aioduco.errors import ParameterError, SetPointTooFar
+from aioduco.errors import DucoError, ParameterError, SetPointTooFar
 from aioduco.models.rules import Number, VectorLike
 from aioduco.streaming.sampling import sampled
 from aioduco.streaming.session import Session
@@ -166,8 +167,9 @@ class Stream(Uncopied):
     async def send(self, point: VectorLike) -> None:
         """Send one set-point.
 
-        The first call waits until the worker has compared the set-point with the arm's position.
-        Later calls wait while enough set-points are queued, or never with `latest`.
+        The first call waits until the worker has compared the set-point with the arm's position; if
+        that is cancelled, the stream ends. Later calls wait while enough set-points are queued, or
+        never with `latest`.
 
         Args:
             point: the set-point, in the stream's units. Shape (6,).
@@ -191,7 +193,8 @@ class Stream(Uncopied):
         Where this chunk differs from the earlier ones, the worker blends from them to this one
         within the stream's limits. Actions whose time has passed are skipped, and counted:
         `StreamStatistics.chunks_late`, `chunks_dropped` and `actions_late`. After the last action
-        the arm stands still; after `hold` the stream ends.
+        the arm stands still; after `hold` the stream ends. If this is cancelled, the chunk is not
+        sent; if the first one is, the stream ends.
 
         Args:
             actions: set-points in the stream's units, 1 to 1000 of them. Shape (n, 6).
@@ -204,6 +207,7 @@ class Stream(Uncopied):
                 is further than that from the earlier ones; nothing was sent.
             StreamError: the stream has ended; the error says why.
         """
+        await anyio.lowlevel.checkpoint()  # first: a chunk that was written is followed to its end
         ring = self._session.alive().ring
         now = time.monotonic()
         points = self._checked_actions(actions, at, now)
@@ -220,7 +224,6 @@ class Stream(Uncopied):
         for index, values in enumerate(points):
             ring.put(values, stamp, ActionTag(self._chunks, begin, index, count).pack())
         await self._begin()
-        await anyio.lowlevel.checkpoint()
 
     def _checked_actions(
         self, actions: Any, at: float | None, now: float
@@ -285,6 +288,9 @@ class Stream(Uncopied):
         by monotone cubic interpolation, and queued up to the ring's capacity, so that a stall of
         the program's event loop does not affect the arm.
 
+        Cancelling this brings the arm to rest at once, and ends the stream: from then on it raises
+        `StreamClosed`, also when its block is left without an error.
+
         Args:
             trajectory: the set-points. Shape (n, 6).
             times: due time of each set-point, rising, relative to the first [s]. Shape (n,). None:
@@ -300,8 +306,24 @@ class Stream(Uncopied):
             # The arm stays at the last point for one more tick, so the end does not count as
             # starved.
             points.append(points[-1])
-        await self._feed(points, self._feeding.capacity)
-        await self._taken()
+        async with self._ended_by_interrupts():
+            await self._feed(points, self._feeding.capacity)
+            await self._taken()
+
+    @asynccontextmanager
+    async def _ended_by_interrupts(self) -> AsyncIterator[None]:
+        """Bring the arm to rest, and end the stream, if what the block waits for is interrupted.
+
+        Otherwise the arm would follow what is queued, or begin to, after its program was told of
+        the cancellation.
+        """
+        try:
+            yield
+        except DucoError:
+            raise
+        except BaseException:
+            await self._session.close(at_once=True)
+            raise
 
     async def _taken(self) -> None:
         """Wait until the worker has taken all set-points that were sent."""
@@ -367,7 +389,8 @@ class Stream(Uncopied):
     async def _begin(self) -> None:
         """Wait, once, until the worker has compared the first set-point with the arm's position."""
         if not self._begun:
-            await self._session.until_begun()
+            async with self._ended_by_interrupts():
+                await self._session.until_begun()
             self._session.alive()
             self._begun = True
 

@@ -594,8 +594,9 @@ class StreamCalls(Block):
     def send(self, point: VectorLike) -> None:
         """Send one set-point.
 
-        The first call waits until the worker has compared the set-point with the arm's position.
-        Later calls wait while enough set-points are queued, or never with `latest`.
+        The first call waits until the worker has compared the set-point with the arm's position; if
+        that is cancelled, the stream ends. Later calls wait while enough set-points are queued, or
+        never with `latest`.
 
         Args:
             point: the set-point, in the stream's units. Shape (6,).
@@ -614,7 +615,8 @@ class StreamCalls(Block):
         Where this chunk differs from the earlier ones, the worker blends from them to this one
         within the stream's limits. Actions whose time has passed are skipped, and counted:
         `StreamStatistics.chunks_late`, `chunks_dropped` and `actions_late`. After the last action
-        the arm stands still; after `hold` the stream ends.
+        the arm stands still; after `hold` the stream ends. If this is interrupted, the chunk is not
+        sent; if the first one is, the stream ends.
 
         Args:
             actions: set-points in the stream's units, 1 to 1000 of them. Shape (n, 6).
@@ -635,6 +637,9 @@ class StreamCalls(Block):
         The whole array is checked before any set-point is sent. It is sampled at the stream's rate
         by monotone cubic interpolation, and queued up to the ring's capacity, so that a stall of
         the program does not affect the arm.
+
+        An interrupt brings the arm to rest at once, and ends the stream: from then on it raises
+        `StreamClosed`, also when its block is left without an error.
 
         Args:
             trajectory: the set-points. Shape (n, 6).

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import itertools
 import math
@@ -233,6 +234,81 @@ async def test_cancellation_decelerates_the_arm_before_it_goes_on(
                     await stream.send(near(5e-6 * n * n))
         assert stream.statistics().reason is Reason.ABORTED
     assert came_to_rest(np.array(controller.points())[:, 0], 500, 5.0)
+
+
+@workers
+async def test_a_cancelled_play_leaves_a_standing_arm_and_an_ended_stream(
+    controller: Controller, options: WorkerOptions
+) -> None:
+    """Also if the program handles the cancellation in the stream's block, and goes on there."""
+    stream = controller.servo.joints(v=1.0, a=5.0, rate=500, options=options)
+    points = [near(5e-6 * n * n) for n in range(400)]
+
+    async def program() -> None:
+        async with stream:
+            playing = asyncio.create_task(stream.play(points))
+            await eventually_async(lambda: len(controller.points()) > 100)
+            playing.cancel()
+            with pytest.raises(asyncio.CancelledError):
+                await playing
+            sent.append(len(controller.points()))
+            with pytest.raises(StreamClosed):
+                await stream.send(points[-1])
+
+    sent: list[int] = []
+    async with no_leaks():
+        with pytest.raises(StreamClosed, match="the arm was braked"):
+            await program()
+    assert [len(controller.points())] == sent
+    assert came_to_rest(np.array(controller.points())[:, 0], 500, 5.0)
+
+
+@pytest.mark.parametrize("chunks", [False, True])
+async def test_a_cancelled_first_set_point_is_not_followed(
+    controller: Controller, chunks: bool
+) -> None:
+    looked, go_on = threading.Event(), threading.Event()
+
+    def where() -> list[float]:
+        looked.set()
+        go_on.wait(20.0)
+        return HERE
+
+    controller.server.answer("get_actual_joints_position", where)
+    kind: dict[str, Any] = (
+        {"source_rate": 30, "upsample": "cubic", "chunks": True} if chunks else {}
+    )
+    stream = controller.servo.joints(v=1.0, a=5.0, **kind, options=replace(THREAD, timeout=20.0))
+
+    async def program() -> None:
+        async with stream:
+            sending = asyncio.create_task(stream.send(near(0.01)))
+            await eventually_async(looked.is_set)
+            sending.cancel()
+            await anyio.wait_all_tasks_blocked()
+            go_on.set()
+            with pytest.raises(asyncio.CancelledError):
+                await sending
+            assert stream.state is StreamState.ENDED
+
+    with pytest.raises(StreamClosed, match="the arm was braked"):
+        await program()
+    # but for the step of the tick in which the worker was
+    assert all(abs(point[0] - HERE[0]) < 1e-4 for point in controller.points())
+
+
+async def test_a_cancelled_chunk_is_not_followed(controller: Controller) -> None:
+    stream = controller.servo.joints(
+        v=1.0, a=5.0, source_rate=30, upsample="cubic", chunks=True, hold=0.2, options=THREAD
+    )
+    async with stream:
+        await stream.send_chunk([HERE])
+        sending = asyncio.create_task(stream.send_chunk([near(0.002 * n) for n in range(30)]))
+        await anyio.lowlevel.checkpoint()
+        sending.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await sending
+    assert np.abs(np.array(controller.points())[:, 0] - HERE[0]).max() < 1e-6
 
 
 @workers

@@ -64,9 +64,10 @@ class OffsetStream(Stream):
         """
         if times is not None:
             raise ParameterError("times", times, "left out: an offset says how far, not when")
-        for offset in trajectory:
-            await self.send(offset)
-        await self._taken()
+        async with self._ended_by_interrupts():
+            for offset in trajectory:
+                await self.send(offset)
+            await self._taken()
 
 
 class Servo(StreamMaker):

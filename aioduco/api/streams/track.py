@@ -68,10 +68,12 @@ class TrackStream(Stream):
         """
         if times is not None:
             raise ParameterError("times", times, "left out: the controller plans the times")
-        await self._feed(await self._sampled(trajectory, None), self._feeding.capacity)
-        await self._taken()
-        # The first point is taken before it is compared with the arm's position.
-        await super()._begin()
+        points = await self._sampled(trajectory, None)
+        async with self._ended_by_interrupts():
+            await self._feed(points, self._feeding.capacity)
+            await self._taken()
+            # The first point is taken before it is compared with the arm's position.
+            await super()._begin()
 
     async def _begin(self) -> None:
         """Do not wait: the worker takes the first points only when there are enough of them."""
