@@ -38,6 +38,7 @@ import anyio
 from aioduco._process.reporting import BackgroundLogger
 from aioduco._wire.forks import fork_hooks
 from aioduco._wire.owner_loop import loop_callback
+from aioduco.errors import DucoError
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Coroutine
@@ -193,8 +194,9 @@ def _wake(waiter: asyncio.Future[None]) -> None:
 async def run_to_completion(step: Callable[[], Awaitable[T]]) -> tuple[T, BaseException | None]:
     """Await `step()`, again after each cancellation, until it returns or raises.
 
-    A keyboard interrupt, or an exit from a signal handler, during `step()` is treated like a
-    cancellation.
+    What a signal handler raises during `step()` is treated like a cancellation: a keyboard
+    interrupt, an exit, or any other error that is not this package's. A step's own error of that
+    kind is raised if it comes again.
 
     Args:
         step: returns the awaitable; called once, and once more for each cancellation.
@@ -209,6 +211,12 @@ async def run_to_completion(step: Callable[[], Awaitable[T]]) -> tuple[T, BaseEx
             try:
                 results.append(await step())
             except (anyio.get_cancelled_exc_class(), KeyboardInterrupt, SystemExit) as exc:
+                cancelled = exc
+            except DucoError:
+                raise
+            except Exception as exc:
+                if isinstance(cancelled, type(exc)):
+                    raise
                 cancelled = exc
     return results[0], cancelled
 

@@ -20,6 +20,7 @@ from moments import cancelled_once
 
 import aioduco
 from aioduco import Outcome
+from aioduco.supervision.concurrency import run_to_completion
 from aioduco.testing import DropReply, FaultProxy, eventually, eventually_async
 from aioduco.testing.cancel import cancel_at
 
@@ -272,3 +273,48 @@ def test_ctrl_c_however_often_leaves_a_standing_arm(
         assert bench.received("robotmoving")[-1].at >= bench._stopped_at + bench.braking_time
     # The third breaks the event loop itself; the stop was accepted long before.
     eventually(lambda: not bench.moving())
+
+
+# -- what a signal's handler raises --------------------------------------------------------------
+
+
+@pytest.mark.parametrize("step", ["send_stop", "rest"])
+@pytest.mark.parametrize("way", ["stop", "cancel", "leave"])
+async def test_no_error_of_a_signals_handler_breaks_off_a_stop(
+    robot: aioduco.Robot, bench: Bench, monkeypatch: pytest.MonkeyPatch, way: str, step: str
+) -> None:
+    """A handler may raise in any line of the program, as one of SIGALRM that ends a wait does."""
+    bench.motion_time = 30.0
+    coordinator = robot._supervisor.stop_coordinator
+    carry_out, raised = getattr(coordinator, step), [TimeoutError("the time is over")]
+
+    async def interrupted(*args: object) -> None:
+        if raised:
+            raise raised.pop()
+        await carry_out(*args)
+
+    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    awaiting = asyncio.ensure_future(_awaited(task))
+    await anyio.wait_all_tasks_blocked()
+    monkeypatch.setattr(coordinator, step, interrupted)
+    if way == "cancel":
+        awaiting.cancel()
+    else:
+        with pytest.raises(TimeoutError, match="the time is over"):
+            await (robot.stop() if way == "stop" else robot.aclose())
+    with pytest.raises((aioduco.TaskStopped, asyncio.CancelledError)):
+        await awaiting
+    assert not bench.moving()
+    assert not raised
+
+
+async def _awaited(task: aioduco.Task) -> None:
+    await task
+
+
+async def test_an_error_of_a_step_itself_is_raised() -> None:
+    async def fails() -> None:
+        raise ValueError("a defect")
+
+    with pytest.raises(ValueError, match="a defect"):
+        await run_to_completion(fails)
