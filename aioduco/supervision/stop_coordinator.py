@@ -643,16 +643,25 @@ class StopCoordinator:
         return len(states) < 2 or states[1] in (ProgramState.PAUSED, ProgramState.PAUSING)
 
     async def abort(self) -> None:
-        """End the running motion and those read ahead, and wait until the arm stands."""
-        with self.gate.stop():
-            overtaken = dict(self.pending)
-            if self._halt_streams():
-                await self._silence_streams()
-            await self._controlled("abort")
-            await self.modes.leave()
-            await self.standstill()
-            if overtaken:
-                await self.stop_until_certain(overtaken)
+        """End the running motion and those read ahead, and wait until the arm stands.
+
+        If this fails or is cancelled before, the arm is stopped.
+        """
+        try:
+            with self.gate.stop():
+                overtaken = dict(self.pending)
+                if self._halt_streams():
+                    await self._silence_streams()
+                await self._controlled("abort")
+                await self.modes.leave()
+                await self.standstill()
+                if overtaken:
+                    await self.stop_until_certain(overtaken)
+        except StopUnconfirmed:
+            raise
+        except BaseException:
+            await self._halt_and_see()
+            raise
 
     async def standstill(self) -> None:
         """Wait until the arm stands, without a stop.

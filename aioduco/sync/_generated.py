@@ -6474,10 +6474,11 @@ class Robot(RobotLifecycle, ManualNames):
     def abort(self) -> None:
         """End the running motion and those read ahead, and wait until the arm stands.
 
-        Manual 3.8 does not have it, but its wire does; manual 4.3 describes it.
+        Manual 3.8 does not have it, but its wire does; manual 4.3 describes it. If the controller
+        does not abort, or this is cancelled, the arm is stopped.
 
         Raises:
-            TaskError: the controller did not abort.
+            TaskError: the controller did not abort: the arm was stopped.
             StopUnconfirmed: the arm does not stand.
         """
         self._call(self._made.abort())

@@ -206,6 +206,26 @@ async def test_abort_ends_the_motion_and_never_passes_for_blending(
             await task
 
 
+@pytest.mark.parametrize("why", ["cancelled", "unanswered", "refused"])
+async def test_an_abort_that_does_not_come_to_its_end_stops_the_arm(bench: Bench, why: str) -> None:
+    bench.motion_time = 30.0
+    if why == "refused":
+        bench.answer("abort", -1)
+    else:
+        bench.hold("abort")
+    async with aioduco.connect(bench.host, bench.port, call_timeout=0.3) as robot:
+        task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        aborting = asyncio.ensure_future(robot.abort())
+        if why == "cancelled":
+            await eventually_async(lambda: "abort" in bench.commands)
+            aborting.cancel()
+        with pytest.raises((asyncio.CancelledError, aioduco.OutcomeUnknown, aioduco.Refused)):
+            await aborting
+        assert not bench.moving()
+        with pytest.raises(aioduco.TaskStopped):
+            await task
+
+
 @pytest.mark.parametrize("name", ["stop", "pause", "resume", "abort"])
 async def test_nothing_is_sent_before_opening_and_after_closing(bench: Bench, name: str) -> None:
     robot = aioduco.connect(bench.host, bench.port)
