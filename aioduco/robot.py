@@ -820,8 +820,8 @@ class Robot(Uncopied, ManualNames, MisspeltRefused):
     async def abort(self) -> None:
         """End the running motion and those read ahead, and wait until the arm stands.
 
-        Manual 3.8 does not have it, but its wire does; manual 4.3 describes it. If the controller
-        does not abort, or this is cancelled, the arm is stopped.
+        Manual 3.8 does not have it, but its wire does; manual 4.3 describes it. If it is
+        interrupted, or the controller does not abort, the arm is stopped.
 
         Raises:
             TaskError: the controller did not abort: the arm was stopped.

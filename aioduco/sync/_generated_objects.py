@@ -595,7 +595,7 @@ class StreamCalls(Block):
         """Send one set-point.
 
         The first call waits until the worker has compared the set-point with the arm's position; if
-        that is cancelled, the stream ends. Later calls wait while enough set-points are queued, or
+        it is interrupted, the stream ends. Later calls wait while enough set-points are queued, or
         never with `latest`.
 
         Args:
