@@ -41,7 +41,8 @@ def made_here() -> list[tuple[str, str]]:
     for section, part in vars(NOBODY).items():
         for name, function in inspect.getmembers(part, inspect.ismethod):
             wire = name in idl.functions()
-            if not name.startswith("_") and not wire and not inspect.iscoroutinefunction(function):
+            awaited = inspect.iscoroutinefunction(inspect.unwrap(function))
+            if not name.startswith("_") and not wire and not awaited:
                 found.append((section, name))
     return [one for one in found if not one[0].startswith("_")]
 
