@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Iterable, Iterator
+from collections.abc import AsyncIterator, Iterable, Iterator
+from contextlib import nullcontext
 from typing import Any
 
 import pytest
+import pytest_asyncio
 from interop import table
 from interop.session import FINISHED, HOME, READY, far
 from interop.test_every_function import simulator
@@ -35,6 +37,8 @@ from .prototypes import (
 CALLED = sorted(ON_WIRE)
 #: each ends what it is called on, now or later: it has a controller of its own
 APART = {"shutdown", "restart", "rpc_heartbeat"}
+#: these have a robot of their own: it remembers points in the pool, and what moved the arm
+ALONE = APART | {"trackJointMotion", "simulation"}
 AWAITED = sorted(set(CALLED) - BY_ITSELF)
 #: the CAN bus and the Modbus signals of the table have a device here
 ANSWERS = {
@@ -78,6 +82,18 @@ def sim(request: pytest.FixtureRequest, name: str) -> Iterator[Simulator]:
         return
     with simulator() as running:
         yield running
+
+
+@pytest.fixture(scope="module")
+def waiting(shared: Simulator) -> Iterator[aioduco.sync.Robot]:
+    with aioduco.sync.connect(shared.host, shared.port, heartbeat=None) as robot:
+        yield robot
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def awaited(shared: Simulator) -> AsyncIterator[aioduco.Robot]:
+    async with aioduco.connect(shared.host, shared.port, heartbeat=None) as robot:
+        yield robot
 
 
 @pytest.fixture
@@ -149,18 +165,22 @@ def test_in_the_vendors_class_with_every_name_that_is_printed(
 
 
 def compared(name: str, robot: compat.DucoCobot, answer: Any) -> None:
-    """The answer of ours says the same as that of the vendor's class; `resume` tells more."""
-    if name != "resume" and isinstance(answer, (bool, int, float, str)):
+    """The answer of ours says the same as that of the vendor's class; these two tell more."""
+    if name not in {"pause", "resume"} and isinstance(answer, (bool, int, float, str)):
         by_position, by_name = as_printed(name)
         assert getattr(robot, name)(*by_position, **by_name) == pytest.approx(answer)
 
 
 @pytest.mark.cases(6)
+@pytest.mark.asyncio(loop_scope="module")
 @pytest.mark.parametrize("name", AWAITED)
-async def test_awaited(sim: Simulator, arm: compat.DucoCobot, name: str) -> None:
+async def test_awaited(
+    sim: Simulator, arm: compat.DucoCobot, awaited: aioduco.Robot, name: str
+) -> None:
     case = ours()[FUNCTIONS[name]["wire"]]
     given = mapped(name, case)
-    async with aioduco.connect(sim.host, sim.port, heartbeat=None) as robot:
+    own = aioduco.connect(sim.host, sim.port, heartbeat=None)
+    async with own if name in ALONE else nullcontext(awaited) as robot:
         made = case.method(robot)(**given)
         if isinstance(made, HeldMotion) and "time" not in case.parameters:
             async with made:
@@ -173,10 +193,13 @@ async def test_awaited(sim: Simulator, arm: compat.DucoCobot, name: str) -> None
 
 @pytest.mark.cases(7)
 @pytest.mark.parametrize("name", AWAITED)
-def test_in_plain_scripts(sim: Simulator, arm: compat.DucoCobot, name: str) -> None:
+def test_in_plain_scripts(
+    sim: Simulator, arm: compat.DucoCobot, waiting: aioduco.sync.Robot, name: str
+) -> None:
     case = ours()[FUNCTIONS[name]["wire"]]
     given = mapped(name, case)
-    with aioduco.sync.connect(sim.host, sim.port, heartbeat=None) as robot:
+    own = aioduco.sync.connect(sim.host, sim.port, heartbeat=None)
+    with own if name in ALONE else nullcontext(waiting) as robot:
         function = getattr(getattr(robot, case.section) if case.section else robot, case.name)
         if name == "teach_mode":
             function.start(**given).end()
