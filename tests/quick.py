@@ -31,7 +31,6 @@ CASES = {
     "hostile/": 1,
     "interop/": 2,
     "sim/": 1,
-    "sim/test_fidelity": 8,
     "sim/test_message": 8,
     "streaming/": 2,
     "streaming/test_permit": 1,

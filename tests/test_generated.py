@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, assert_type
 
 import pytest
+from for_each import for_each
 from thriftpy2.thrift import TType
 
 from aioduco._wire import idl, rpc
@@ -108,7 +109,7 @@ def test_functions_are_those_of_the_facts() -> None:
     assert set(idl.functions()) == set(FACTS["methods"])
 
 
-@pytest.mark.parametrize("name", sorted(FACTS["methods"]))
+@for_each("name", sorted(FACTS["methods"]))
 def test_each_function_is_as_the_facts_say(name: str) -> None:
     function = idl.functions()[name]
     facts = FACTS["methods"][name]
@@ -120,7 +121,7 @@ def test_each_function_is_as_the_facts_say(name: str) -> None:
         assert result == [0, facts["returns"], "success"]
 
 
-@pytest.mark.parametrize("name", sorted(FACTS["structs"]))
+@for_each("name", sorted(FACTS["structs"]))
 def test_each_struct_is_as_the_facts_say(name: str) -> None:
     idl.functions()
     struct = getattr(rpc, name)
@@ -135,7 +136,7 @@ def test_each_struct_is_as_the_facts_say(name: str) -> None:
         assert not value or dataclasses.is_dataclass(value), (field, kind)
 
 
-@pytest.mark.parametrize("name", sorted(FACTS["methods"]))
+@for_each("name", sorted(FACTS["methods"]))
 def test_each_method_has_the_types_of_the_wire(name: str) -> None:
     facts = FACTS["methods"][name]
     method = getattr(rpc.Functions, name)
@@ -149,7 +150,7 @@ def test_each_method_has_the_types_of_the_wire(name: str) -> None:
     assert inspect.signature(method).return_annotation == returns
 
 
-@pytest.mark.parametrize("name", sorted(FACTS["methods"]))
+@for_each("name", sorted(FACTS["methods"]))
 def test_each_method_calls_its_own_function_with_its_arguments_in_order(name: str) -> None:
     seen: list[tuple[str, tuple[Any, ...]]] = []
 

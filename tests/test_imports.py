@@ -11,6 +11,7 @@ from types import ModuleType
 from typing import Any
 
 import pytest
+from for_each import for_each
 from interpreter import python
 from wire.servers import Peer, ScriptedServer
 
@@ -97,7 +98,7 @@ def test_the_place_of_a_name_is_known_before_its_section_is_loaded() -> None:
     assert steps()["movel"] == "movel is robot.motion.movel"
 
 
-@pytest.mark.parametrize("name", sorted(set(aioduco.__all__) - set(aioduco.errors.__all__)))
+@for_each("name", sorted(set(aioduco.__all__) - set(aioduco.errors.__all__)))
 def test_a_name_is_what_type_checkers_were_told(name: str) -> None:
     told = told_to_type_checkers()
     if name == "__version__":

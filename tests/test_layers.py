@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from for_each import for_each
 
 ROOT = Path(__file__).parents[1] / "aioduco"
 
@@ -150,7 +151,7 @@ def test_parts_import_only_what_is_below_them() -> None:
     assert wrong == []
 
 
-@pytest.mark.parametrize("name", sorted(BASE - {"_wire.rpc", "__version__"}))
+@for_each("name", sorted(BASE - {"_wire.rpc", "__version__"}))
 def test_what_is_imported_of_the_base_is_in_its_list_of_names(name: str) -> None:
     module = importlib.import_module(f"aioduco.{name}")
     # what the errors' own classes stand on is no error
@@ -216,7 +217,7 @@ def test_folders_of_the_simulator_import_only_what_is_below_them() -> None:
     assert wrong == []
 
 
-@pytest.mark.parametrize("package", FREE_OF_CIRCLES)
+@for_each("package", FREE_OF_CIRCLES)
 def test_no_module_imports_itself_through_others(package: str) -> None:
     """Imports for type checkers included."""
     graph = imported_modules(package)
@@ -226,7 +227,7 @@ def test_no_module_imports_itself_through_others(package: str) -> None:
     assert graph == {}
 
 
-@pytest.mark.parametrize("folder", sorted(STREAMING_MAY_IMPORT))
+@for_each("folder", sorted(STREAMING_MAY_IMPORT))
 def test_a_worker_imports_what_its_process_needs(folder: str) -> None:
     """Imports for type checkers included."""
     found = [one for one in imports() if one.path.startswith(f"streaming/{folder}/")]
@@ -254,7 +255,7 @@ def test_no_chain_of_imports_is_long_or_leads_back_to_itself(package: str) -> No
     assert rounds <= LONGEST_CHAIN[package]
 
 
-@pytest.mark.parametrize("library", sorted(ONLY_IN))
+@for_each("library", sorted(ONLY_IN))
 def test_libraries_stay_where_they_belong(library: str) -> None:
     found = [one for one in imports() if one.name.partition(".")[0] == library]
     assert found, f"nothing imports {library}"

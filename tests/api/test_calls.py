@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from for_each import for_each
 
 import aioduco
 from aioduco.supervision.command import MotionCommand
@@ -99,13 +100,13 @@ def _forever(case: Case) -> dict[str, None]:
     return {"time": None} if "time" in case.parameters else {}
 
 
-@pytest.mark.parametrize("case", cases(), ids=str)
+@for_each("case", cases())
 def test_the_sample_is_whole_and_taken(case: Case) -> None:
     assert set(case.args) == set(case.parameters)
     assert refusal(case) is None
 
 
-@pytest.mark.parametrize("case", cases(), ids=str)
+@for_each("case", cases())
 def test_parameters_are_those_of_the_manual_in_its_order(case: Case) -> None:
     function = MANUAL.get(case.name)
     if function is None:

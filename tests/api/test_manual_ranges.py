@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 import numpy as np
-import pytest
+from for_each import for_each
 
 from aioduco import ParameterError
 from aioduco.models.rules.scalars import LONGEST_ARM
@@ -45,11 +45,7 @@ def changed(case: Case, name: str, index: int, value: float) -> Any:
     return [*list(sample)[:index], value, *list(sample)[index + 1 :]]
 
 
-@pytest.mark.parametrize(
-    ("case", "name", "parameter"),
-    ranged(),
-    ids=lambda one: one if isinstance(one, str) else str(one)[:20],
-)
+@for_each("case, name, parameter", ranged())
 def test_a_range(case: Case, name: str, parameter: dict[str, Any]) -> None:
     whole = isinstance(case.args[name], int)
     for printed in parameter["ranges"]:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any
 
-import pytest
+from for_each import for_each
 
 import aioduco
 from aioduco._wire import idl
@@ -74,7 +74,7 @@ def test_every_function_of_the_manual_is_reachable() -> None:
             assert wire in reachable() or wire in EXCEPTIONS, name
 
 
-@pytest.mark.parametrize("name", WIRE)
+@for_each("name", WIRE)
 def test_it_is_documented(name: str) -> None:
     method = reachable()[name]
     text = inspect.getdoc(method)
@@ -96,7 +96,7 @@ def test_it_is_documented(name: str) -> None:
         assert "Returns:" in text or len(parameters) <= 1
 
 
-@pytest.mark.parametrize("name", WIRE)
+@for_each("name", WIRE)
 def test_there_is_no_block_and_nothing_beyond_the_first_is_positional_by_chance(name: str) -> None:
     parameters = inspect.signature(reachable()[name]).parameters
     assert "block" not in parameters

@@ -9,6 +9,7 @@ from typing import Any
 import hypothesis.strategies as st
 import numpy as np
 import pytest
+from for_each import for_each
 from hypothesis import given, settings
 from hypothesis.strategies import SearchStrategy
 
@@ -122,7 +123,7 @@ def test_a_wrong_argument_is_refused(case: Case, name: str, data: st.DataObject)
         assert isinstance(error, ValueError)
 
 
-@pytest.mark.parametrize(("case", "name"), PARAMETERS, ids=str)
+@for_each("case, name", PARAMETERS)
 def test_the_edges_are_taken(case: Case, name: str) -> None:
     rules = rules_of(case)[name]
     built = (case.name, name) in BUILT or isinstance(case.args[name], BUILT_KINDS)
@@ -155,7 +156,7 @@ def test_points_are_counted(function: str, fewest: int, most: int) -> None:
         assert isinstance(refusal(case, **{name: first * count}), ParameterError)
 
 
-@pytest.mark.parametrize("case", cases(), ids=str)
+@for_each("case", cases())
 def test_the_error_says_what_is_expected(case: Case) -> None:
     robot = nobody()
     for name in case.parameters:

@@ -10,6 +10,7 @@ import pytest
 from api.cases import Case, blocking_cases, cases
 from api.nowhere import robot_on
 from api.test_calls import same
+from for_each import for_each
 
 import aioduco
 from aioduco._wire import codec, idl
@@ -93,11 +94,10 @@ def answered(name: str, answer: Any, generated: Generated) -> Any:
     return reader.value(data)
 
 
-@pytest.mark.parametrize(
+@for_each(
     "case",
     # restart also waits for the controller, over a connection: tests/api tries it with one
     [case for case in cases() if case.section and case.name != "restart"],
-    ids=str,
 )
 async def test_a_function_of_a_section(case: Case, generated: Generated) -> None:
     """From our arguments to the official reader, from the official writer to our result."""
@@ -115,14 +115,14 @@ async def test_a_function_of_a_section(case: Case, generated: Generated) -> None
         same(result, case.result)
 
 
-@pytest.mark.parametrize("case", blocking_cases(), ids=str)
+@for_each("case", blocking_cases())
 async def test_a_blocking_call(case: Case, generated: Generated) -> None:
     """It is the call of the motion with `block` true, and its answer is a state."""
     state = await case.method(robot_on(sent_and_answered(case, generated)))(**case.args)
     assert state is aioduco.TaskState.FINISHED
 
 
-@pytest.mark.parametrize("name", sorted(idl.functions()))
+@for_each("name", sorted(idl.functions()))
 def test_the_bytes_of_every_function(name: str, generated: Generated) -> None:
     """All of the wire, what the supervision calls included."""
     known = {case.name: (case.wire, case.answer) for case in cases()}

@@ -8,11 +8,13 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from for_each import for_each
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from quick import examples
@@ -401,8 +403,7 @@ def test_what_is_no_configuration_is_refused(near: Any) -> None:
         FIVE.ikine(FIVE.fkine([0.3, 0.4, 1.2, 0.5, -1.1, 2.0]), near)
 
 
-@pytest.mark.parametrize("place", [(i, j) for i in range(3) for j in range(4)])
-@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+@for_each("place, value", product(product(range(3), range(4)), (math.nan, math.inf, -math.inf)))
 def test_a_matrix_that_is_not_finite_is_refused(place: tuple[int, int], value: float) -> None:
     flange = FIVE.fkine([0.3, 0.4, 1.2, 0.5, 0.0, 2.0])
     flange[place] = value

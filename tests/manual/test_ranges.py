@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from for_each import for_each
 
 from aioduco._wire import idl
 from aioduco.models import ranges
@@ -127,7 +128,7 @@ def test_every_parameter_of_the_wire_is_in_the_manual_or_known_to_be_missing() -
     }
 
 
-@pytest.mark.parametrize("key", RANGED)
+@for_each("key", RANGED)
 def test_ranges_agree_at_both_ends(key: str) -> None:
     checked = 0
     for printed, rule in bounded(key):

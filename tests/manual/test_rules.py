@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -302,9 +303,7 @@ def test_a_direction_that_gives_way_has_damping() -> None:
         ranges.damping(on, [0.0, 0.0, -1000.0, 0.0, 0.0, 57.0])
 
 
-@pytest.mark.parametrize(
-    "name", [name for name, rule in vars(ranges).items() if isinstance(rule, Rule)]
-)
+@for_each("name", [name for name, rule in vars(ranges).items() if isinstance(rule, Rule)])
 def test_each_named_rule_refuses_nonsense_by_its_name(name: str) -> None:
     rule: Any = getattr(ranges, name)
     for value in (object(), math.nan, 1j):

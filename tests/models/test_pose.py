@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -172,7 +173,7 @@ def test_a_pose_is_a_frozen_sequence_of_six_floats() -> None:
 
 
 @pytest.mark.parametrize("kind", [Pose, Joints])
-@pytest.mark.parametrize(
+@for_each(
     "values",
     [
         [],
@@ -196,7 +197,6 @@ def test_a_pose_is_a_frozen_sequence_of_six_floats() -> None:
         np.zeros(6, dtype=bool),
         np.array(["1"] * 6),
     ],
-    ids=str,
 )
 def test_what_is_not_six_finite_numbers_is_refused(kind: type[Pose | Joints], values: Any) -> None:
     with pytest.raises(ParameterError):
@@ -204,10 +204,9 @@ def test_what_is_not_six_finite_numbers_is_refused(kind: type[Pose | Joints], va
 
 
 @pytest.mark.parametrize("kind", [Pose, Joints])
-@pytest.mark.parametrize(
+@for_each(
     "values",
     [([0.0] * 6,), (np.zeros(6),), ("here",), (), (1, 2, 3), (1, 2, 3, 4, 5, 6, 7)],
-    ids=str,
 )
 def test_a_class_of_six_numbers_tells_that_there_are_not_six(
     kind: type[Pose | Joints], values: tuple[Any, ...]

@@ -7,7 +7,7 @@ import json
 import re
 from pathlib import Path
 
-import pytest
+from for_each import for_each
 
 from aioduco._wire import idl
 from aioduco._wire.rpc import Functions
@@ -41,7 +41,7 @@ REFUSED = {name: row[1] for row in GROUPS for name in re.findall(r"`(\w+)`", row
 INDEX = tables("| section | functions | where |")
 
 
-@pytest.mark.parametrize("row", ROWS, ids=[row[0][:60] for row in ROWS])
+@for_each("row", ROWS)
 def test_each_row_has_a_source_and_a_test(row: list[str]) -> None:
     behaviour, source, test = row
     assert behaviour
@@ -60,7 +60,7 @@ def test_every_line_of_a_table_is_in_one() -> None:
     assert len(lines) == len(rows) + 2 * heads
 
 
-@pytest.mark.parametrize("row", MISSING, ids=[row[0][:60] for row in MISSING])
+@for_each("row", MISSING)
 def test_what_is_not_simulated_has_a_source_and_a_reason(row: list[str]) -> None:
     what, source, why = row
     assert what
@@ -88,7 +88,7 @@ def test_the_index_leads_to_tables() -> None:
 # -- the functions themselves --------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", sorted(idl.functions()))
+@for_each("name", sorted(idl.functions()))
 def test_each_function_is_simulated_or_refused_with_a_reason(name: str) -> None:
     """What no section of the handlers has is left to the generated client, which refuses it."""
     left = getattr(Handlers, name) is getattr(Functions, name)
@@ -96,7 +96,7 @@ def test_each_function_is_simulated_or_refused_with_a_reason(name: str) -> None:
     assert left is (name in REFUSED)
 
 
-@pytest.mark.parametrize("name", sorted(set(idl.functions()) - set(NOT_PUBLIC)))
+@for_each("name", sorted(set(idl.functions()) - set(NOT_PUBLIC)))
 def test_each_handler_takes_what_the_wire_brings(name: str) -> None:
     handler = getattr(Handlers, name)
     theirs = list(inspect.signature(getattr(Functions, name)).parameters)

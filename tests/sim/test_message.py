@@ -5,6 +5,7 @@ from __future__ import annotations
 import struct
 
 import pytest
+from for_each import for_each
 from hypothesis import example, given
 from hypothesis import strategies as st
 
@@ -47,7 +48,7 @@ LONGEST = call(
 )
 
 
-@pytest.mark.parametrize("name", sorted(idl.functions()))
+@for_each("name", sorted(idl.functions()))
 def test_each_function_of_the_wire_is_measured_exactly(name: str) -> None:
     function = idl.functions()[name]
     encoded = call(name, *(zero() for zero in function.zeros))

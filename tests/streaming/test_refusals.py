@@ -7,6 +7,7 @@ import math
 from typing import Any
 
 import pytest
+from for_each import for_each
 
 import aioduco
 from aioduco import ParameterError, RealtimeMode
@@ -66,7 +67,7 @@ PARAMETERS = [
 ]
 
 
-@pytest.mark.parametrize(("section", "name", "parameter"), PARAMETERS)
+@for_each("section, name, parameter", PARAMETERS)
 def test_a_wrong_argument_is_refused(section: str, name: str, parameter: str) -> None:
     make = getattr(getattr(NOBODY, section), name)
     needed = NEEDED[section, name]

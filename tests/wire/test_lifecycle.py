@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from itertools import product
 
-import pytest
+from for_each import for_each
 
 from aioduco._wire.lifecycle import ConnectionState, Lifecycle, Progress
 
@@ -43,7 +43,7 @@ REACHED = {
 }
 
 
-@pytest.mark.parametrize(("state", "event"), list(product(ConnectionState, EVENTS)))
+@for_each("state, event", product(ConnectionState, EVENTS))
 def test_each_event_in_each_state(state: ConnectionState, event: str) -> None:
     life = Lifecycle()
     for step in REACHED[state]:

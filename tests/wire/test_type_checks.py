@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from for_each import for_each
 from thriftpy2.protocol import TBinaryProtocol
 from thriftpy2.thrift import TType
 from thriftpy2.transport import TMemoryBuffer
@@ -85,7 +86,7 @@ def layouts() -> dict[str, list[tuple[int, Any]]]:
     }
 
 
-@pytest.mark.parametrize("name", [name for name, types in layouts().items() if types])
+@for_each("name", [name for name, types in layouts().items() if types])
 def test_nothing_that_does_not_fit_is_encoded(name: str) -> None:
     function = idl.functions()[name]
     good = tuple(sample(*each) for each in layouts()[name])
@@ -106,7 +107,7 @@ def test_nothing_that_does_not_fit_is_encoded(name: str) -> None:
             assert "nothing was sent" in str(raised.value)
 
 
-@pytest.mark.parametrize("name", [name for name, types in layouts().items() if types])
+@for_each("name", [name for name, types in layouts().items() if types])
 def test_what_fits_arrives_as_it_is(name: str) -> None:
     function = idl.functions()[name]
     good = [sample(*each) for each in layouts()[name]]

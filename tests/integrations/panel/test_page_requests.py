@@ -7,6 +7,7 @@ import math
 from typing import Any
 
 import pytest
+from for_each import for_each
 
 from aioduco.errors import ParameterError
 from aioduco.integrations.panel.page_requests import (
@@ -77,7 +78,7 @@ def press(**motion: Any) -> dict[str, Any]:
     return {"ask": "press", "seen": 1, "motion": {"percent": 10, **motion}}
 
 
-@pytest.mark.parametrize(
+@for_each(
     "message",
     [
         *("", "{", "[]", "3", "[" * 4000, b"\xff\xfe"),
