@@ -642,31 +642,32 @@ def test_whole_numbers_may_be_doubles(server: RecordingServer, robot: Any) -> No
 LOAD = "import importlib, sys\ndef load(name):\n    return importlib.import_module(name).DucoCobot"
 
 
-@pytest.mark.cases(1)
-@pytest.mark.parametrize(
-    "line",
-    [
-        "from vendor_api.DucoCobot import DucoCobot",
-        "from vendor_api.DucoCobot import *",
-        "from vendor_api import DucoCobot as m; DucoCobot = m.DucoCobot",
-        "import vendor_api.deeper.DucoCobot as m; DucoCobot = m.DucoCobot",
-        "from vendor_api.gen_py.robot.ttypes import Op; DucoCobot = Op",
-        "from vendor_api.lib.thrift import Thrift; from vendor_api.DucoCobot import DucoCobot",
-        "import importlib; DucoCobot = importlib.import_module('vendor_api.DucoCobot').DucoCobot",
-        f"{LOAD}\ndef sdk(name='vendor_api.DucoCobot'):\n    return load(name)\nDucoCobot = sdk()",
-        f"{LOAD}\nSDK = {{'module': 'vendor_api.DucoCobot'}}\nDucoCobot = load(SDK['module'])",
-    ],
-)
-def test_packages_without_the_vendors_files(line: str, tmp_path: Path) -> None:
+#: ways to name a package of which there is nothing, `{}`
+NAMED = [
+    "from {}.DucoCobot import DucoCobot",
+    "from {}.DucoCobot import *",
+    "from {} import DucoCobot as m; DucoCobot = m.DucoCobot",
+    "import {}.deeper.DucoCobot as m; DucoCobot = m.DucoCobot",
+    "from {}.gen_py.robot.ttypes import Op; DucoCobot = Op",
+    "from {0}.lib.thrift import Thrift; from {0}.DucoCobot import DucoCobot",
+    "import importlib; DucoCobot = importlib.import_module('{}.DucoCobot').DucoCobot",
+    "def sdk(name='{}.DucoCobot'):\n    return load(name)\nDucoCobot = sdk()",
+    "SDK = {{'module': '{}.DucoCobot'}}\nDucoCobot = load(SDK['module'])",
+]
+
+
+def test_packages_without_the_vendors_files(tmp_path: Path) -> None:
+    """Each is named in one way alone."""
+    lines = [LOAD]
+    for number, way in enumerate(NAMED):
+        lines += [way.format(f"vendor_{number}"), "print(DucoCobot.__module__)", "del DucoCobot"]
+    lines += ["try:\n    import vendor_x\nexcept ImportError:\n    print('others are missing')", ""]
     program = tmp_path / "program.py"
-    program.write_text(
-        f"{line}\nprint(DucoCobot.__module__)\n"
-        "try:\n    import vendor_apj\nexcept ImportError:\n    print('others are missing')\n",
-        encoding="utf-8",
-    )
+    program.write_text("\n".join(lines), encoding="utf-8")
     done = python("-m", "aioduco.compat", str(program))
-    assert done.stdout.split("\n", 1)[0] in ("aioduco.compat", "aioduco._wire.rpc"), done.stderr
-    assert "others are missing" in done.stdout
+    wanted = ["aioduco.compat"] * len(NAMED)
+    wanted[4] = "aioduco._wire.rpc"
+    assert done.stdout.splitlines() == [*wanted, "others are missing"], done.stderr
 
 
 @pytest.mark.cases(1)
