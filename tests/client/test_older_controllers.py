@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 from api.cases import Case, cases
+from for_each import for_each
 
 import aioduco
 from aioduco import Joints
@@ -45,7 +46,7 @@ def known(value: Any, structs: Any) -> Any:
     return value
 
 
-@pytest.mark.parametrize("name", CASES)
+@for_each("name", CASES)
 def test_each_function_is_answered_or_missing(name: str, older: OlderController) -> None:
     case: Case = CASES[name]
     older.answers[name] = theirs(case.answer, older.structs)
