@@ -90,7 +90,7 @@ def call(
         refuse_unused(context, "a call, without --describe", "json")
         # annotations are strings, which a signature shows in quotes
         signature = re.sub(r"(: |-> )'([^']+)'", r"\1\2", str(inspect.signature(function)))
-        say(f"{where}{signature}\n\n{inspect.getdoc(function)}")
+        say(f"{where}{signature}\n\n{inspect.getdoc(function) or ''}".rstrip())
         return
     positional, named = _arguments(words or [])
     try:
