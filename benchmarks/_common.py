@@ -45,10 +45,9 @@ def spread(seconds: Iterable[float], count: str = "") -> dict[str, float]:
         count: the name under which their number is given; empty for none.
     """
     values = [float(each) * 1e6 for each in seconds]
-    figures = {f"p{percent:g}_us": percentile(values, percent) for percent in (50, 99, 99.9)}
-    figures["max_us"] = max(values)
-    rounded: dict[str, float] = {name: round(value, 1) for name, value in figures.items()}
-    return rounded | ({count: len(values)} if count else {})
+    figures = {f"p{each:g}_us": round(percentile(values, each), 1) for each in (50, 99, 99.9)}
+    figures["max_us"] = round(max(values), 1)
+    return figures | ({count: len(values)} if count else {})
 
 
 def in_turns(rounds: int, alternatives: Mapping[str, T]) -> Iterator[tuple[str, T]]:

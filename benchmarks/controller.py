@@ -114,10 +114,9 @@ class Handlers:
             self._stops.append(self._alive_until)
             self._alive_until = math.inf
 
-    def set_standard_digital_out(self, *_: object) -> int:
+    def set_standard_digital_out(self, *_: object) -> None:
         """A call that hangs."""
         threading.Event().wait()
-        return TaskState.FINISHED
 
     # -- set-points
 
@@ -214,14 +213,12 @@ class Listener(socketserver.ThreadingTCPServer):
                 each.shutdown(socket.SHUT_RDWR)
 
 
-def controller(service: Any) -> Listener:
+def controller(service: Any, wrapped: Any = TSocket, wire: Any = TCyBinaryProtocol) -> Listener:
     """A port that speaks the wire."""
-    wrapped: Any = TSocket
-    protocol: Any = TCyBinaryProtocol
     processor = TProcessor(service, Handlers())
 
     def answer(sock: socket.socket) -> None:
-        stream = protocol(TCyBufferedTransport(wrapped(sock=sock)))
+        stream = wire(TCyBufferedTransport(wrapped(sock=sock)))
         while True:
             processor.process(stream, stream)
 
