@@ -269,7 +269,7 @@ import importlib.abc, sys, threading
 import anyio, anyio.abc, anyio._core._signals
 import aioduco
 from aioduco.cli.app import app
-from aioduco.cli.demo import session
+from aioduco.cli.demo import run
 
 # A busy machine takes its time over a beat.
 defaults = aioduco.connect.__kwdefaults__
@@ -281,7 +281,7 @@ class Finder(importlib.abc.MetaPathFinder):
     def find_spec(self, name, path=None, target=None):
         found.append((name, threading.current_thread() is threading.main_thread()))
 
-perform, opened = session.perform, aioduco.Robot.__aenter__
+perform, opened = run.perform, aioduco.Robot.__aenter__
 
 async def performing(*arguments):
     sys.meta_path.insert(0, Finder())
@@ -292,7 +292,7 @@ async def opening(robot):
     found.append(("OPEN", True))
     return robot
 
-session.perform, aioduco.Robot.__aenter__ = performing, opening
+run.perform, aioduco.Robot.__aenter__ = performing, opening
 sys.argv = ["aioduco", "demo", "--speed", "8", "--no-plot", "--json", "-"]
 try:
     app()
