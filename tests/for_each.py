@@ -8,6 +8,8 @@ from contextlib import contextmanager
 from functools import wraps
 from typing import Any
 
+import pytest
+
 __all__ = ["for_each"]
 
 _Test = Callable[..., Any]
@@ -53,17 +55,17 @@ def for_each(names: str, rows: Iterable[Any]) -> Callable[[_Test], _Test]:
 @contextmanager
 def _told(table: list[Any]) -> Iterator[Iterator[tuple[Any, Any]]]:
     """The rows, each with a block that keeps its error; all errors are raised at the end."""
-    failed: list[Exception] = []
+    failed: list[BaseException] = []
 
     @contextmanager
     def of_row(row: Any) -> Iterator[None]:
         try:
             yield
-        except Exception as exc:
+        except (Exception, pytest.fail.Exception) as exc:  # also of `pytest.raises`
             exc.add_note(f"in the row {row}")
             failed.append(exc)
 
     assert table, "the table is empty"
     yield ((row, of_row(row)) for row in table)
     if failed:
-        raise ExceptionGroup(f"{len(failed)} of {len(table)} rows", failed)
+        raise BaseExceptionGroup(f"{len(failed)} of {len(table)} rows", failed)
