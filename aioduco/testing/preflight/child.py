@@ -149,14 +149,16 @@ class _Child:
     def _watch(self) -> None:
         """Check the program's progress, and end the program if it hangs."""
         patience = self.options["patience"]
-        looks, last = 0, -1.0
+        looks, last, asleep = 0, -1.0, 0.0
         while not self._over.wait(_LOOK):
             now, since = self.clock.passed, self.recorder.progress
             looks, last = (0 if since != last else looks + 1), since
-            if not self._cell.simulator or now - since < patience or looks * _LOOK < _AT_LEAST:
-                continue
             if self.clock.sleeps_since(since + 0.1 * patience):
-                continue  # its sleep is longer than that
+                looks, asleep = 0, now  # it sleeps on purpose, and its patience begins afterwards
+                continue
+            waited = now - max(since, asleep)
+            if not self._cell.simulator or waited < patience or looks * _LOOK < _AT_LEAST:
+                continue
             for where, text in self._waits():
                 self.recorder.hung(where, f"{text}: for {patience:g} s nothing moved or changed")
             self._write(1)

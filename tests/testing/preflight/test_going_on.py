@@ -321,6 +321,26 @@ def test_a_library_that_raises_the_error_again_does_not_handle_it(tmp_path: Path
     assert handled([WaitingLine(str(path), 2, {})], TaskFailed), "a program may act before"
 
 
+@pytest.mark.slow
+def test_a_program_that_slept_for_long_may_take_its_time_afterwards(tmp_path: Path) -> None:
+    report = tried(
+        tmp_path,
+        """
+import select
+import time
+import aioduco.sync
+from aioduco import Joints
+
+with aioduco.sync.connect("192.168.1.10") as robot:
+    robot.bring_up()
+    time.sleep(1000.0)
+    select.select([], [], [], 4.0)  # as of a computation, or of a computer that is busy
+    robot.motion.movej2(Joints.deg(0, -15, 105, 0, -90, 0), v=1.0, a=2.0)
+""",
+    )
+    assert report.ok, report.findings
+
+
 def test_when_a_value_came_is_said_in_the_programs_time(tmp_path: Path) -> None:
     report = tried(
         tmp_path,
