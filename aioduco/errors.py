@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import copy
+import sys
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from aioduco.models.host_port import host_port
@@ -800,7 +801,10 @@ class MissingExtra(DucoError, ModuleNotFoundError):
     """
 
     def __init__(self, wanted: str, package: str, extra: str) -> None:
-        super().__init__(f"{wanted} needs {package}: pip install 'aioduco[{extra}]'", name=package)
+        hint = f"pip install 'aioduco[{extra}]'"
+        if "ompl" in package and sys.version_info >= (3, 14):
+            hint += " under Python 3.13: OMPL has no build for newer ones yet"
+        super().__init__(f"{wanted} needs {package}: {hint}", name=package)
         self.extra: str = extra
 
     @classmethod

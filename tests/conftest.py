@@ -303,24 +303,27 @@ def _import_own_files(config: pytest.Config) -> None:
 def pytest_runtest_makereport(
     item: pytest.Item, call: pytest.CallInfo[None]
 ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """Without what a guard's process needs, a test that asks for one is skipped with its words."""
+    """A test that asks for what this platform or this Python lacks is skipped with its words."""
     report = yield
-    error = call.excinfo
-    if report.failed and error is not None and item.config.getoption("bare_platform"):
-        why = _guard_refused(error.value)
+    if report.failed and call.excinfo is not None:
+        bare: bool = item.config.getoption("bare_platform")
+        why = _lacking(call.excinfo.value, bare)
         if why:
             report.outcome = "skipped"
             report.longrepr = (str(item.path), item.location[1] or 0, f"Skipped: {why}")
     return report
 
 
-def _guard_refused(error: BaseException) -> str:
-    """What a robot said that was to have a guard on a platform without one; else nothing."""
+def _lacking(error: BaseException, bare: bool) -> str:
+    """What was said by a robot that was to have a guard on a platform without one, or a planner."""
     if isinstance(error, BaseExceptionGroup):
-        return next(filter(None, map(_guard_refused, error.exceptions)), "")
+        return next(filter(None, (_lacking(each, bare) for each in error.exceptions)), "")
     # Of a process of the test, or beside what the test waited for, it is quoted.
-    said = "process needs Linux, and this system has no packets" in str(error)
-    return "a guard's process needs Linux" if said else ""
+    if bare and "process needs Linux, and this system has no packets" in str(error):
+        return "a guard's process needs Linux"
+    if sys.version_info >= (3, 14) and "ompl" in str(error):
+        return "OMPL has no build for this Python"
+    return ""
 
 
 @pytest.hookimpl(optionalhook=True)

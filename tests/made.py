@@ -128,7 +128,9 @@ def _names() -> dict[str, Any]:
     found: dict[str, Any] = {**vars(collections.abc), **vars(typing), "np": np, "Path": Path}
     found.update(NDArray=npt.NDArray, Matrix=npt.NDArray[Any], Array=npt.NDArray[Any], Fault=str)
     for module in pkgutil.walk_packages(aioduco.__path__, "aioduco."):
-        if re.search(r"\.(ros|compat|cli)\b|arm_scene|__main__", module.name):
+        if re.search(
+            r"\.(ros|compat|cli)\b|arm_scene|planning\.(search|solver|worker)|__main__", module.name
+        ):
             continue  # no public value lies there, and some load much
         for name, value in vars(import_module(module.name)).items():
             if str(getattr(value, "__module__", "")).startswith("aioduco"):

@@ -6,6 +6,7 @@ import importlib.metadata
 import re
 import tomllib
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from interpreter import python
@@ -75,11 +76,21 @@ except aioduco.MissingExtra as error:
     assert done.stdout.endswith(f"needs {absent}: pip install 'aioduco[{extra}]'\n")
 
 
+def test_a_python_for_which_a_package_is_not_built_yet_is_told(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    install = "planning needs ompl: pip install 'aioduco[plan]'"
+    more = " under Python 3.13: OMPL has no build for newer ones yet"
+    for version, told in ((3, 13), install), ((3, 14), install + more):
+        monkeypatch.setattr("aioduco.errors.sys", SimpleNamespace(version_info=version))
+        assert str(aioduco.MissingExtra("planning", "ompl", "plan")) == told
+
+
 def test_jerk_limits_need_their_extra_and_not_the_simulator() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     extras = project["optional-dependencies"]
     names = {
-        extra: {re.split(r"[<>=\[]", one)[0] for one in extras[extra]}
+        extra: {re.split(r"[<>=\[;]", one)[0] for one in extras[extra]}
         for extra in ("sim", "stream", "cli", "plot", "plan", "sweep")
     }
     assert names == {

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from aioduco.cli.exit_codes import fail
+from aioduco.errors import MissingExtra
 from aioduco.models.similar import did_you_mean
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ def need(*extras: str) -> None:
     names = [name for absent in missing.values() for name in absent]
     if names:
         install = ",".join(["cli", *(extra for extra, absent in missing.items() if absent)])
-        fail(f"this needs {' and '.join(names)}: pip install 'aioduco[{install}]'")
+        fail(str(MissingExtra("this", " and ".join(names), install)))
 
 
 def arm(model: str) -> Arm:

@@ -202,7 +202,7 @@ def _check_ways(cell: Cell, name: str | None, start: Joints, file: WaypointFile)
 
     from aioduco.cli import extras  # noqa: PLC0415
 
-    extras.need("plan")
+    extras.need("sim")
     scene = cell.scene(name)
     before, where = np.array(start), "where the arm stands"
     for number, waypoint in enumerate(file.waypoints, 1):

@@ -42,7 +42,7 @@ def vanish(_robot: aioduco.Robot) -> None:
 
 
 def use(robot: aioduco.Robot) -> None:
-    """Try what there is, on a loop of the child's own and without one; then leave."""
+    """Try what there is, on a loop of the child's own and without one."""
     (task,) = robot.tasks
 
     async def tries() -> None:
@@ -68,7 +68,7 @@ def use(robot: aioduco.Robot) -> None:
     try:
         robot.stop_now()
     except aioduco.WrongProcess:
-        sys.exit(CODE)
+        os._exit(CODE)
     os._exit(DEFECT)
 
 

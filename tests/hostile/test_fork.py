@@ -95,6 +95,8 @@ PAIRS = [
 def test_a_forked_child_that_ends_leaves_its_parents_robot_alone(
     bench: Bench, tmp_path: Path, guard: str, loop: str, child: str
 ) -> None:
+    if sys.version_info >= (3, 14) and child in {"leave", "forget"}:
+        pytest.skip("from Python 3.14 on, sys.exit in a coroutine ends no forked child")
     ended = run(bench, tmp_path, guard, loop, child)
     undisturbed(bench, ended)
     assert ended.told["child"] == forking.CODE, ended.errors
