@@ -166,7 +166,8 @@ class _Child:
 
     def _waits(self) -> list[tuple[lines.ProgramLine | None, str]]:
         """The lines at which the program waits: of its tasks, or of its main thread."""
-        waiting = (lines.awaited(task.get_coro()) for task in _all_tasks())
+        tasks = (task for loop in list(patches.loops) for task in asyncio.all_tasks(loop))
+        waiting = (lines.awaited(task.get_coro()) for task in tasks)
         found = [(where, f"waits in {where.function}") for where in waiting if where is not None]
         if found:
             return list(found)
@@ -183,11 +184,6 @@ class _Child:
             }  # fmt: skip
             np.savez(folder / "samples.npz", **self.recorder.arrays())
             (folder / "run.json").write_text(json.dumps(result, default=str), encoding="utf-8")
-
-
-def _all_tasks() -> list[asyncio.Task[Any]]:
-    tasks = getattr(asyncio.tasks, "_all_tasks", ())
-    return [task for task in list(tasks) if not task.done()]
 
 
 def _end() -> NoReturn:

@@ -16,6 +16,7 @@ import sys
 import threading
 import time
 import warnings
+import weakref
 from typing import TYPE_CHECKING, Any
 
 from aioduco.testing.preflight import lines
@@ -40,6 +41,9 @@ _BETWEEN = frozenset(
 BLOCKED = 1.0
 #: time between two checks of a wait with a time-out, by the wall clock [s]
 _LOOK = 0.01
+
+#: event loops that were made in this process, which runs one program
+loops: weakref.WeakSet[asyncio.AbstractEventLoop] = weakref.WeakSet()
 
 
 def _asked_by_program(depth: int = 2) -> bool | None:
@@ -156,6 +160,7 @@ def _loops(clock: ProgramClock) -> None:
 
     def new_loop(self: Any, selector: Any = None) -> None:
         init(self, _Selector() if selector is None else selector)
+        loops.add(self)
 
     def time_of(self: Any) -> float:
         return clock.now() if of_program() else float(loop_time(self))
@@ -201,12 +206,12 @@ def _loops(clock: ProgramClock) -> None:
         finally:
             lines.TASK_ORIGIN.reset(token)
 
-    def task(self: Any, coro: Any, *, name: Any = None, context: Any = None) -> Any:
+    def task(self: Any, coro: Any, *, context: Any = None, **options: Any) -> Any:
         origin = lines.of_new_task(by_program=bool(_asked_by_program()))
         if origin is not None:
             context = contextvars.copy_context() if context is None else context
             context.run(lines.TASK_ORIGIN.set, origin)
-        return create_task(self, coro, name=name, context=context)
+        return create_task(self, coro, context=context, **options)
 
     selecting.__init__ = new_loop
     base.call_soon_threadsafe = from_thread

@@ -322,6 +322,32 @@ def test_a_library_that_raises_the_error_again_does_not_handle_it(tmp_path: Path
 
 
 @pytest.mark.slow
+def test_where_a_program_waits_endlessly_is_found(tmp_path: Path) -> None:
+    report = tried(
+        tmp_path,
+        """
+import asyncio
+import aioduco
+
+async def other(never):
+    await never.wait()
+
+async def main():
+    async with aioduco.connect("192.168.1.10") as robot:
+        await robot.bring_up()
+        never = asyncio.Event()
+        async with asyncio.TaskGroup() as tasks:
+            tasks.create_task(other(never), name="other")
+            await robot.feed.wait_for(lambda sample: False)
+
+asyncio.run(main())
+""",
+    )
+    waits = {each.function: each.line for each in report.findings if each.kind == "endless wait"}
+    assert waits == {"other": 6, "main": 14}
+
+
+@pytest.mark.slow
 def test_a_program_that_slept_for_long_may_take_its_time_afterwards(tmp_path: Path) -> None:
     report = tried(
         tmp_path,
