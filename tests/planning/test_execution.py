@@ -7,6 +7,7 @@ import subprocess
 import sys
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -235,6 +236,7 @@ def test_the_demonstration(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.skipif(find_spec("ompl") is None, reason="OMPL has no build for this Python")
 def test_the_example() -> None:
     root = Path(__file__).parents[2]
     example = root / "examples" / "16_plan_round_obstacle.py"
