@@ -16,38 +16,10 @@ from aioduco._wire.messages import Message, MessageType
 from aioduco.errors import ControllerError, UnknownFunction
 
 from .servers import exception, reply
+from .test_messages import parts, values
 
 FUNCTIONS = idl.functions()
 VALUED = sorted(name for name, function in FUNCTIONS.items() if not function.void)
-
-SCALARS: dict[int, st.SearchStrategy[Any]] = {
-    TType.BOOL: st.booleans(),
-    TType.BYTE: st.integers(-(2**7), 2**7 - 1),
-    TType.I16: st.integers(-(2**15), 2**15 - 1),
-    TType.I32: st.integers(-(2**31), 2**31 - 1),
-    TType.I64: st.integers(-(2**63), 2**63 - 1),
-    TType.DOUBLE: st.floats(allow_nan=False),
-    TType.STRING: st.text(max_size=12),
-}
-
-
-def values(kind: int, shape: Any) -> st.SearchStrategy[Any]:
-    """Values of a type of the wire."""
-    if kind == TType.LIST:
-        return st.lists(values(*parts(shape)), max_size=4)
-    if kind == TType.MAP:
-        return st.dictionaries(values(*parts(shape[0])), values(*parts(shape[1])), max_size=4)
-    if kind == TType.STRUCT:
-        fields = {
-            entry[1]: values(entry[0], entry[2] if len(entry) > 3 else None)
-            for entry in shape.thrift_spec.values()
-        }
-        return st.builds(shape, **fields)
-    return SCALARS[kind]
-
-
-def parts(part: Any) -> tuple[int, Any]:
-    return part if isinstance(part, tuple) else (part, None)
 
 
 @st.composite
@@ -55,7 +27,7 @@ def answers(draw: st.DrawFn) -> tuple[Message, Any]:
     """A call of any function that returns something, and a value that it could return."""
     name = draw(st.sampled_from(VALUED))
     entry = FUNCTIONS[name].result.thrift_spec[0]
-    value = draw(values(entry[0], entry[2] if len(entry) > 3 else None))
+    value = draw(values(entry[0], entry[2] if len(entry) > 3 else None, whole=True))
     return Message(MessageType.CALL, name, draw(st.integers(1, 2**31 - 1)), b""), value
 
 

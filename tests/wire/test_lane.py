@@ -94,22 +94,16 @@ async def test_calls_on_one_connection_keep_their_order() -> None:
         assert server.connections == 1
 
 
-async def test_a_lane_that_cannot_open_leaves_nothing() -> None:
-    with socket.create_server(("127.0.0.1", 0)) as closed:
-        host, port = closed.getsockname()
-    async with no_leaks():
-        lane = WireLane("test", host, port)
-        with pytest.raises(ConnectError, match="refused"):
-            await lane.open()
-        assert lane.closed
-
-
-async def test_a_lane_whose_controller_does_not_answer_the_handshake() -> None:
-    with black_hole() as (host, port):
+@pytest.mark.parametrize(("hangs", "said"), [(False, "refused"), (True, "no answer in time")])
+async def test_a_lane_that_cannot_open_leaves_nothing(hangs: bool, said: str) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as closed, black_hole() as hole:
+        address = hole if hangs else closed.getsockname()
+        closed.close()
         async with no_leaks():
-            lane = WireLane("test", host, port, connect_timeout=SHORT)
-            with pytest.raises(ConnectError, match="no answer in time"):
+            lane = WireLane("test", *address, connect_timeout=SHORT if hangs else PATIENCE)
+            with pytest.raises(ConnectError, match=said):
                 await lane.open()
+            assert lane.closed
 
 
 async def test_a_lane_left_open_warns_and_its_connections_end() -> None:

@@ -33,29 +33,37 @@ SCALARS: dict[int, st.SearchStrategy[Any]] = {
 }
 
 
-def values(kind: int, extra: Any) -> st.SearchStrategy[Any]:
-    """Values of one type, given as thriftpy2 writes it in a field's spec."""
+def values(kind: int, extra: Any, *, whole: bool = False) -> st.SearchStrategy[Any]:
+    """Values of one type, given as thriftpy2 writes it in a field's spec.
+
+    Args:
+        kind: the type.
+        extra: what it is made of.
+        whole: whether structs have all of their fields.
+    """
     if kind in SCALARS:
         return SCALARS[kind]
     if kind == TType.STRUCT:
-        return structs(extra)
+        return structs(extra, whole=whole)
     if kind == TType.MAP:
-        key, value = extra
-        return st.dictionaries(element(key), element(value), max_size=4)
-    return st.lists(element(extra), max_size=4)
+        key, value = (values(*parts(part), whole=whole) for part in extra)
+        return st.dictionaries(key, value, max_size=4)
+    return st.lists(values(*parts(extra), whole=whole), max_size=4)
 
 
-def element(spec: Any) -> st.SearchStrategy[Any]:
-    return values(*spec) if isinstance(spec, tuple) else values(spec, None)
+def parts(spec: Any) -> tuple[int, Any]:
+    """The type of an element, and what that is made of."""
+    return spec if isinstance(spec, tuple) else (spec, None)
 
 
 @st.composite
-def structs(draw: st.DrawFn, made: type[Any]) -> Any:
+def structs(draw: st.DrawFn, made: type[Any], *, whole: bool = False) -> Any:
     """A struct of which each field may be left out."""
     struct = made()
     for entry in made.thrift_spec.values():
         kind, name, extra = entry[0], entry[1], entry[2] if len(entry) > 3 else None
-        setattr(struct, name, draw(st.none() | values(kind, extra)))
+        value = values(kind, extra, whole=whole)
+        setattr(struct, name, draw(value if whole else st.none() | value))
     return struct
 
 

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import threading
+import time
 from functools import partial
 from typing import Any
 
 import anyio
 import pytest
 
-from aioduco.errors import CallTimeout, ConnectionLost, NotSent, OutcomeUnknown, RobotStateError
+from aioduco._wire.endpoint import Endpoint
+from aioduco._wire.own_connection import OwnConnection
+from aioduco.errors import CallTimeout, ConnectionLost, OutcomeUnknown, RobotStateError
 from aioduco.testing import eventually_async
 
 from .lanes import SHORT, Gate, noted, opened, own_threads
-from .servers import Peer, ending, honest
+from .servers import PATIENCE, Peer, ScriptedServer, ending, honest
 
 blocking = partial(opened, blocks=True)
 
@@ -36,16 +39,6 @@ async def test_each_thread_has_a_connection_for_its_whole_life() -> None:
         assert await lane.rpc.stop(True) == 0
         assert server.connections == len(threads()) == 2
     assert threads() == []
-
-
-async def test_the_loop_goes_on_while_calls_block() -> None:
-    gate = Gate()
-    async with blocking(gate) as (lane, server), anyio.create_task_group() as group:
-        group.start_soon(lane.within(None).run_program, "weld", True)
-        await eventually_async(lambda: len(server.calls) == 1)
-        with pytest.raises(NotSent, match=r"no connection .* was free"):
-            await lane.call("resume", (True,), SHORT)
-        gate.open()
 
 
 @pytest.mark.parametrize(
@@ -125,3 +118,50 @@ async def test_a_permit_that_ended_sends_nothing_and_keeps_the_connection() -> N
         assert raised.value is ended
         assert await lane.rpc.stop(True) == 0
         assert (server.names, server.connections) == (["stop", "stop"], 1)
+
+
+def stands(peer: Peer) -> None:
+    """A controller whose arm stands."""
+    while (call := peer.receive()) is not None:
+        peer.answer(call, False)
+
+
+def leaves(peer: Peer) -> None:
+    """One that breaks the connection with the first call."""
+    peer.receive()
+    peer.reset()
+
+
+def own(server: ScriptedServer) -> OwnConnection:
+    return OwnConnection(Endpoint(server.host, server.port, PATIENCE))
+
+
+def test_calls_share_a_connection_that_is_open() -> None:
+    with ScriptedServer(stands) as server:
+        mine = own(server)
+        assert mine.call("robotmoving", (), PATIENCE) is False
+        assert mine.call("robotmoving", (), PATIENCE) is False
+        assert server.connections == 1
+        mine.close()
+
+
+def test_the_call_after_one_that_failed_opens_another() -> None:
+    with ScriptedServer(leaves, stands) as server:
+        mine = own(server)
+        with pytest.raises(ConnectionLost):
+            mine.call("robotmoving", (), PATIENCE)
+        assert not mine.idle
+        assert mine.call("robotmoving", (), PATIENCE) is False
+        assert server.connections == 2
+        mine.close()
+
+
+def test_nothing_is_opened_after_it_was_given_up() -> None:
+    with ScriptedServer(stands, stands) as server:
+        mine = own(server)
+        assert mine.call("robotmoving", (), PATIENCE) is False
+        mine.give_up("its heartbeat ends")
+        with pytest.raises(ConnectionLost, match="its heartbeat ends"):
+            mine.ready(time.monotonic() + PATIENCE)
+        assert server.connections == 1
+        mine.close()

@@ -170,10 +170,7 @@ def test_a_late_answer_to_a_command_can_be_waited_for() -> None:
 
 
 def test_no_answer_is_waited_for_on_a_connection_that_ended() -> None:
-    with (
-        RecordingServer({"servoj": 1001}) as server,
-        FaultProxy(server.host, server.port) as proxy,
-    ):
+    with RecordingServer({"servoj": 1001}) as server, FaultProxy(server.host, server.port) as proxy:
         proxy.on("servoj", DropReply())
         connection = Connection(Endpoint(proxy.host, proxy.port), keeps_overdue=True)
         connection.open()
