@@ -1,4 +1,4 @@
-"""The examination of machine and network."""
+"""The examination of machine and network: `aioduco doctor`, and `aioduco plot`."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from cli_runner import CliRunner
 
+from aioduco.cli.app import app
 from aioduco.cli.stream_figure import plot
-from aioduco.cli.stream_rate import RATES, Examination, examine, holdable
-from aioduco.errors import StreamLost
+from aioduco.cli.stream_rate import Examination, holdable
 from aioduco.streaming.report import StreamStatistics
 from aioduco.streaming.shared.histogram import Percentiles
 from aioduco.streaming.shared.words import Reason, StreamState
-from aioduco.testing import no_leaks
 
 from .conftest import Controller
 
@@ -37,16 +37,6 @@ def figures(late: float, work: float) -> StreamStatistics:
 def better_table() -> Any:
     found = figures(1e-4, 2e-4)
     return Examination(found, found, 4, "performance", 1000.0, 1000.0).__rich__()
-
-
-@pytest.mark.slow
-async def test_nothing_is_moved_and_a_rate_is_found(controller: Controller) -> None:
-    async with no_leaks():
-        found = await examine(controller.server.host, controller.server.port, seconds=0.2)
-    assert set(controller.names()) == {"get_robot_state"}
-    # A busy machine has hardly run it in that time.
-    assert found.plain.round_trip.samples > 0
-    assert found.rate in (0.0, *RATES)
 
 
 @pytest.mark.parametrize(
@@ -84,12 +74,6 @@ def test_a_depth_is_given_that_bridges_what_was_seen(late: float, depth: int) ->
 
 
 @pytest.mark.slow
-async def test_without_a_controller_it_says_so() -> None:
-    with pytest.raises(StreamLost, match=r"nothing was sent that moves or stops.*cannot connect"):
-        await examine("127.0.0.1", 1, seconds=0.1)
-
-
-@pytest.mark.slow
 def test_figures_as_text_table_json_and_picture(tmp_path: Path) -> None:
     shown = figures(1e-4, 2e-4)
     assert "late p50 100 µs" in repr(shown)
@@ -101,3 +85,41 @@ def test_figures_as_text_table_json_and_picture(tmp_path: Path) -> None:
     assert '"reason": "CLOSED"' in (tmp_path / "figures.json").read_text()
     plot(shown, tmp_path / "figure.png")
     assert (tmp_path / "figure.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.slow
+def test_doctor_measures_and_plot_draws_it(controller: Controller, tmp_path: Path) -> None:
+    figures = tmp_path / "figures.json"
+    port = str(controller.server.port)
+    shown = CliRunner().invoke(
+        app, ["doctor", "127.0.0.1", "--port", port, "--seconds", "0.2", "--json", str(figures)]
+    )
+    assert shown.exit_code == 0, shown.output
+    assert "can be held" in shown.output
+    assert set(controller.names()) == {"get_robot_state"}
+    drawn = CliRunner().invoke(app, ["plot", str(figures)])
+    assert drawn.exit_code == 0, drawn.output
+    assert (tmp_path / "figures.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.slow
+def test_doctor_without_a_controller_says_so() -> None:
+    shown = CliRunner().invoke(app, ["doctor", "127.0.0.1", "--port", "1", "--seconds", "0.2"])
+    assert shown.exit_code == 1
+    assert "cannot connect" in shown.output
+
+
+@pytest.mark.slow
+def test_plot_says_what_it_cannot_draw(tmp_path: Path) -> None:
+    (tmp_path / "figures.json").write_text("{}")
+    shown = CliRunner().invoke(app, ["plot", str(tmp_path / "figures.json")])
+    assert shown.exit_code == 1
+    assert "cannot be drawn: it is neither a recording" in shown.output
+    (tmp_path / "figures.json").write_text("{")
+    shown = CliRunner().invoke(app, ["plot", str(tmp_path / "figures.json")])
+    assert shown.exit_code == 1
+    assert shown.output.endswith(
+        "cannot be drawn: it is neither a recording, .mcap, nor a file of StreamStatistics.save\n"
+    )
+    page = CliRunner().invoke(app, ["plot", str(tmp_path / "figures.json"), "figures.html"])
+    assert page.exit_code == 2

@@ -64,11 +64,6 @@ def test_on_a_given_address(sim: SimulatorProcess, tmp_path: Path, name: str) ->
     assert re.search(SAYS[name], run(name, *given))
 
 
-@pytest.mark.slow
-def test_without_an_address_on_a_simulated_arm() -> None:
-    assert re.search(SAYS["10_sine.py"], run("10_sine.py", "--seconds", "0.2"))
-
-
 class Standing:
     """Whether the arm has not moved for a while of its own time."""
 

@@ -158,12 +158,3 @@ def test_there_is_no_way_back_from_the_end_and_the_first_reason_stays(steps: lis
         assert pool.state >= before or before is StreamState.HOLDING
         assert reason in (Reason.NONE, pool.reason)
         before, reason = pool.state, pool.reason
-
-
-def test_the_text_of_the_first_reason_stays() -> None:
-    pool = PoolStates(10, 20, 1.0)
-    pool.begin()
-    pool.brake(Reason.ENVELOPE, "first")
-    pool.brake(Reason.FAILED, "second")
-    pool.end(Reason.REFUSED, "third")
-    assert (pool.reason, pool.text) == (Reason.ENVELOPE, "first")

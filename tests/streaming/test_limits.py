@@ -3,16 +3,27 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from wire.servers import PATIENCE, Peer, ScriptedServer
 
+from aioduco._wire.endpoint import Endpoint
+from aioduco._wire.own_connection import OwnConnection
+from aioduco.api.streams.speed import Speed
+from aioduco.errors import ParameterError, StreamStarved
+from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.streaming.shared.space import JOINT_SPACE, POSE_SPACE, Config, Limits, Space
 from aioduco.streaming.worker.limiter import JerkLimiter, Limiter, SpeedGenerator
+from aioduco.streaming.worker.rest import bring_to_rest
+from aioduco.supervision.unanswered import UnansweredMotion
 
+from .conftest import Controller, fed
 from .motion import peaks
 
 AMOUNT = st.floats(0.1, 5.0)
@@ -81,11 +92,7 @@ def test_a_standing_target_is_met_exactly_in_about_the_least_time(
     assert limiter.config == target
 
 
-@given(
-    period=PERIOD,
-    amplitudes=st.tuples(*[st.floats(-1, 1)] * 6),
-    frequency=st.floats(0.05, 1.0),
-)
+@given(period=PERIOD, amplitudes=st.tuples(*[st.floats(-1, 1)] * 6), frequency=st.floats(0.05, 1.0))
 def test_a_motion_within_the_limits_passes_unchanged(
     period: float, amplitudes: tuple[float, ...], frequency: float
 ) -> None:
@@ -124,3 +131,99 @@ def test_speeds_are_ramped_and_end_at_zero(
         ticks += 1
         assert ticks <= limit
     assert before == (0.0,) * 6
+
+
+THREAD = WorkerOptions(run_in="thread")
+
+
+async def test_joint_speeds_carry_the_dead_man_time_and_end_by_speed_stop(
+    controller: Controller,
+) -> None:
+    opened = Speed(controller.endpoint).joints(
+        a=2.0, v=0.5, dead_man=0.15, hold=10.0, options=THREAD
+    )
+    async with opened as stream:
+        async for tick in stream.ticks():
+            await stream.send([1.0, 0.0, 0.0, 0.0, 0.0, -0.1])
+            if tick.number == 25:
+                break
+    calls = controller.server.received("speedj")
+    speeds = np.array([call.args[0] for call in calls])
+    assert {call.args[1:] for call in calls} == {(2.0, 150, False)}
+    assert speeds.max() == 0.5
+    assert np.abs(np.diff(speeds, axis=0)).max() <= 2.0 / 50 * (1 + 1e-6)
+    assert not speeds[-1].any()
+    assert controller.names()[-1] == "speed_stop"
+
+
+async def test_a_tool_speed_without_a_hand_on_it_ends_at_zero(controller: Controller) -> None:
+    opened = Speed(controller.endpoint).linear(a=0.5, dead_man=0.2, hold=0.06, options=THREAD)
+    with pytest.raises(StreamStarved):
+        await fed(opened, [[0.05, 0.0, 0.0, 0.0, 0.0, 0.2]], opened.ended)
+    speeds = np.array([call.args[0] for call in controller.server.received("speedl")])
+    assert np.linalg.norm(np.diff(speeds[:, :3], axis=0), axis=1).max() <= 0.5 / 50 * (1 + 1e-6)
+    assert not speeds[-1].any()
+    assert controller.names()[-2:] == ["speed_stop", "stop"]
+
+
+def test_a_dead_man_time_is_no_less_than_two_calls_and_not_for_ever() -> None:
+    speed = Speed(Controller.nowhere())
+    for make in (speed.joints, speed.linear):
+        for wrong in (0.03, None, 200):  # milliseconds
+            with pytest.raises(ParameterError, match="dead_man"):
+                make(a=1.0, rate=50.0, dead_man=wrong)  # type: ignore[arg-type]  # that is the test
+
+
+def moving(count: int) -> Callable[[Peer], None]:
+    """An arm that is seen to move some times."""
+    left = count
+
+    def script(peer: Peer) -> None:
+        nonlocal left
+        while (call := peer.receive()) is not None:
+            left -= call.name == "robotmoving"
+            peer.answer(call, left >= 0 if call.name == "robotmoving" else 4)
+
+    return script
+
+
+def rest(server: ScriptedServer, seconds: float, *, stops: bool) -> tuple[bool, int]:
+    """Whether the arm was brought to rest, and how often the worker showed that it runs."""
+    own = OwnConnection(Endpoint(server.host, server.port, PATIENCE))
+    own.ready()
+    signs: list[None] = []
+    now = time.monotonic()
+    motion = UnansweredMotion.none(now, now + seconds, stops=stops)
+    try:
+        return bring_to_rest(motion, own, PATIENCE, lambda: signs.append(None)), len(signs)
+    finally:
+        own.close()
+
+
+@pytest.mark.parametrize("count", [0, 3])
+def test_it_is_seen_to_stand_twice(count: int) -> None:
+    with ScriptedServer(moving(count)) as server:
+        stands, signs = rest(server, PATIENCE, stops=False)
+        assert stands
+        assert server.names == ["robotmoving"] * (count + 2)
+        assert signs == count + 3
+        assert server.connections == 1
+
+
+def test_a_connection_that_breaks_meanwhile_is_replaced() -> None:
+    def breaks(peer: Peer) -> None:
+        peer.receive()
+        peer.reset()
+
+    with ScriptedServer(breaks, moving(1)) as server:
+        stands, _ = rest(server, PATIENCE, stops=False)
+        assert stands
+        assert server.connections == 2
+        assert "stop" not in server.names
+
+
+def test_an_arm_that_moves_on_is_given_up() -> None:
+    with ScriptedServer(moving(10**9)) as server:
+        stands, _ = rest(server, 0.05, stops=False)
+        assert not stands
+        assert "stop" not in server.names

@@ -16,7 +16,6 @@ from patient import patient_queue
 
 import aioduco
 from aioduco.errors import (
-    ParameterError,
     RobotStateError,
     StreamError,
     StreamRefused,
@@ -327,9 +326,7 @@ async def test_a_queue_that_ran_dry_is_said(robot: aioduco.Robot, sim: Simulator
 
 
 @pytest.mark.slow
-async def test_a_program_that_hangs_while_an_array_is_played_stops_the_arm(
-    sim: Simulator,
-) -> None:
+async def test_a_program_that_hangs_while_an_array_is_played_stops_the_arm(sim: Simulator) -> None:
     """The heartbeat alone would not do: what is queued would set the arm moving again."""
 
     async def program() -> None:
@@ -399,23 +396,6 @@ async def test_no_stream_of_a_robot_that_is_not_open(sim: Simulator) -> None:
             raise AssertionError("entered")
 
 
-@pytest.mark.slow
-async def test_a_loop_that_is_held_up_starves_the_stream_and_the_arm_stands(
-    robot: aioduco.Robot, sim: Simulator
-) -> None:
-    async def program() -> None:
-        async with robot.servo.joints(v=1.0, a=8.0, hold=0.1) as stream:
-            for n in range(60):
-                await stream.send([START[0] + 2e-5 * n * n, *START[1:]])
-            eventually(lambda: stream.reason, 60.0)  # it blocks the event loop
-            assert np.abs(sim.joints.array - START.array).max() > 1e-3
-            await stream.send(START)
-
-    with pytest.raises(StreamStarved):
-        await program()
-    assert not sim.view.moving
-
-
 # -- trajectories ------------------------------------------------------------------------------
 
 
@@ -457,36 +437,3 @@ async def test_a_controller_without_a_queue_is_led_by_servoj(sim: Simulator) -> 
             )
         assert proxy.calls("servoj")
         assert not proxy.calls("realtime_data_enqueue")
-
-
-@pytest.mark.slow
-async def test_a_cancelled_trajectory_leaves_a_standing_arm(
-    robot: aioduco.Robot, sim: Simulator
-) -> None:
-    start = START.array
-
-    async def follow() -> bool:
-        with anyio.CancelScope() as scope:
-
-            def half_way(feedback: Feedback) -> None:
-                if feedback.time > 0.3:
-                    scope.cancel()
-
-            await robot.motion.follow_joint_trajectory(
-                JointTrajectory([start, start + 0.2], [0.0, 0.6]), v=1.5, a=20.0, feedback=half_way
-            )
-        return scope.cancelled_caught
-
-    assert await streamed_in_time(follow, partial(ready, robot))
-    assert not sim.view.moving
-    assert 0.02 < sim.joints[0] < 0.19
-
-
-async def test_what_it_goes_through_is_one_of_three(robot: aioduco.Robot) -> None:
-    with pytest.raises(ParameterError, match='"auto", "realtime" or "servoj"'):
-        await robot.motion.follow_joint_trajectory(
-            JointTrajectory([START], [0.0]),
-            v=1.0,
-            a=1.0,
-            through="air",  # type: ignore[arg-type]
-        )

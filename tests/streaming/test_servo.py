@@ -111,15 +111,6 @@ async def test_a_task_that_sends_on_does_not_hold_the_block_open(
 
 
 @workers
-async def test_a_stream_without_a_set_point_moves_nothing(
-    controller: Controller, options: WorkerOptions
-) -> None:
-    async with controller.servo.joints(v=1.0, a=5.0, options=options):
-        pass
-    assert not controller.points()
-
-
-@workers
 async def test_a_whole_array_is_played_by_its_times(
     controller: Controller, options: WorkerOptions
 ) -> None:
@@ -541,6 +532,7 @@ async def test_one_stream_at_a_time(controller: Controller) -> None:
                 raise AssertionError("entered")
     async with servo.tcp_offset(v=1.0, a=5.0, options=THREAD):
         pass
+    assert not [name for name in controller.names() if name.startswith("servo")]
 
 
 async def test_a_closed_stream_takes_nothing(controller: Controller) -> None:

@@ -176,10 +176,7 @@ def test_a_stream_of_speeds_ends_at_zero_when_closed() -> None:
 
 
 EVENTS = st.lists(
-    st.one_of(
-        st.floats(-0.3, 0.3),
-        st.sampled_from(["tick", "close", "starve", "brake", "end"]),
-    ),
+    st.one_of(st.floats(-0.3, 0.3), st.sampled_from(["tick", "close", "starve", "brake", "end"])),
     max_size=60,
 )
 
