@@ -23,6 +23,7 @@ import aioduco.sync
 from aioduco.errors import TaskStopped
 from aioduco.models.enums import TaskState
 from aioduco.recording import RecordedRun, channels, read, writer
+from aioduco.recording.moving_gaps import MovingGaps
 from aioduco.sim import Simulator
 from aioduco.testing import eventually, eventually_async
 
@@ -116,9 +117,7 @@ async def test_a_call_that_fails_is_recorded_with_its_error(
 
 
 async def test_states_events_and_log_lines_are_recorded(
-    robot: aioduco.Robot,
-    bench: Bench,
-    tmp_path: Path,
+    robot: aioduco.Robot, bench: Bench, tmp_path: Path
 ) -> None:
     own = logging.getLogger("a.program")
     async with robot.record(tmp_path / "run.mcap") as recording:
@@ -490,3 +489,19 @@ async def test_what_an_observer_raises_stands_between_nothing(
     assert not bench.moving()
     end()
     await eventually_async(lambda: "an observer failed" in caplog.text)
+
+
+def test_times_without_samples_count_where_the_arm_moved() -> None:
+    gaps = MovingGaps()
+    q = [0.0] * 6
+    gaps.sampled(1.0, q)
+    gaps.sampled(9.0, q)  # it stood: nothing is missing
+    assert (gaps.longest, gaps.count) == (0.0, 0)
+    gaps.sampled(9.05, [0.0] * 5 + [0.1])
+    assert gaps.longest == pytest.approx(0.05)
+    assert gaps.count == 0
+    gaps.sampled(9.25, [0.0] * 5 + [0.2])
+    assert gaps.longest == pytest.approx(0.2)
+    assert gaps.count == 1
+    gaps.sampled(9.26, [0.0] * 5 + [0.21])
+    assert gaps.longest == pytest.approx(0.2)

@@ -158,9 +158,9 @@ async def test_an_output_that_is_refused_brings_the_arm_to_rest(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def slowly(times: Array) -> Array:
-        return nod(times, 0.2, 20.0)
+        return nod(times, 0.2, 5.0)
 
-    file = write(tmp_path / "run.mcap", slowly, seconds=21.0, outputs={1.0: {3: True}})
+    file = write(tmp_path / "run.mcap", slowly, seconds=6.0, outputs={1.0: {3: True}})
     path = RecordedPath.of(read(file))
 
     async def refuse(*_: object) -> None:

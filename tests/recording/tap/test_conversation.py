@@ -37,10 +37,7 @@ def test_a_call_is_told_with_its_answer_and_its_time() -> None:
     assert str(found) == "#0 power_on(block=False) -> 1000  250.00 ms"
 
 
-@given(
-    cuts=st.lists(st.integers(0, 400), max_size=12).map(sorted),
-    count=st.integers(1, 4),
-)
+@given(cuts=st.lists(st.integers(0, 400), max_size=12).map(sorted), count=st.integers(1, 4))
 def test_however_the_bytes_are_cut_the_same_is_told(cuts: list[int], count: int) -> None:
     said = b"".join(call("get_noneblock_taskstate", n, 1000 + n) for n in range(count))
     told = b"".join(answer("get_noneblock_taskstate", n) for n in reversed(range(count)))
@@ -149,11 +146,6 @@ def test_copies_that_were_left_out_end_what_is_read() -> None:
     assert note.text.startswith("70000 bytes passed unseen")
 
 
-@given(data=st.binary(max_size=300), kind=st.sampled_from([REQUEST, ANSWER]))
-def test_any_bytes_are_taken(data: bytes, kind: CopyKind) -> None:
-    items((1.0, kind, data), (2.0, CopyKind.CLOSED, b"client"))
-
-
 @given(
     name=st.sampled_from(sorted(functions())),
     body=st.binary(max_size=60),
@@ -163,3 +155,43 @@ def test_any_bodies_of_a_function_are_taken(name: str, body: bytes, reply: bytes
     said = Message(MessageType.CALL, name, 1, body + b"\0").encode()
     told = Message(MessageType.REPLY, name, 1, reply + b"\0").encode()
     items((1.0, REQUEST, said), (2.0, ANSWER, told), (3.0, CopyKind.CLOSED, b"client"))
+
+
+CALLS = (call("power_on", 7, False), answer("power_on", 7))
+kinds = st.sampled_from((CopyKind.REQUEST, CopyKind.ANSWER))
+
+
+@st.composite
+def nearly_right(draw: st.DrawFn) -> bytes:
+    """A message of which some bytes are others."""
+    data = bytearray(draw(st.sampled_from(CALLS)))
+    for at, value in draw(
+        st.lists(st.tuples(st.integers(0, len(data) - 1), st.integers(0, 255)), max_size=6)
+    ):
+        data[at] = value
+    return bytes(data[: draw(st.integers(0, len(data)))])
+
+
+@given(
+    st.lists(
+        st.tuples(st.integers(0, 3), kinds, st.binary(max_size=200) | nearly_right()), max_size=20
+    )
+)
+def test_whatever_bytes_pass_on_some_connections_another_one_is_told(
+    copies: list[tuple[int, CopyKind, bytes]],
+) -> None:
+    conversation = Conversation()
+    for connection, kind, data in copies:
+        for item in conversation.feed(1.0, connection, kind, data):
+            assert isinstance(item, TappedCall | TapNote)
+            assert str(item).isprintable()
+    (told,) = [
+        item
+        for kind, data in zip((CopyKind.REQUEST, CopyKind.ANSWER), CALLS, strict=True)
+        for item in conversation.feed(2.0, 9, kind, data)
+    ]
+    assert isinstance(told, TappedCall)
+    assert told.answer == 1000
+    for connection in range(10):
+        for item in conversation.feed(3.0, connection, CopyKind.CLOSED, b"\xff\x1b[2J"):
+            assert isinstance(item, TappedCall | TapNote)
