@@ -15,11 +15,7 @@ from cli_runner import CliRunner
 from aioduco.cli.app import app
 from aioduco.sim import Simulator
 from aioduco.testing.conformance.bundle import Redaction, write_bundle
-from aioduco.testing.conformance.controller_report import (
-    CheckResult,
-    ControllerReport,
-    Verdict,
-)
+from aioduco.testing.conformance.controller_report import CheckResult, ControllerReport, Verdict
 
 #: what is planted, and the part of it that must not be found
 SECRETS = {

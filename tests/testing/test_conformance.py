@@ -46,9 +46,7 @@ def verdicts(report: ControllerReport) -> dict[str, Verdict]:
     return {each.name: each.verdict for each in report.results}
 
 
-def test_nothing_is_moved_unless_asked_and_nothing_differs_at_the_simulator(
-    sim: Simulator,
-) -> None:
+def test_nothing_is_moved_unless_asked_and_nothing_differs_at_the_simulator(sim: Simulator) -> None:
     before = sim.joints.array.copy()
     seen: list[CheckResult] = []
     report = check_controller(sim.host, sim.port, progress=seen.append)

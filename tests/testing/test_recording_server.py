@@ -15,10 +15,7 @@ def test_answers_as_it_was_told_and_remembers() -> None:
     def refuse(value: str) -> float:
         raise Refusal(f"no {value} here")
 
-    with (
-        no_leaks(),
-        RecordingServer({"read_word_reg": lambda num: num + 1, "stop": 0}) as server,
-    ):
+    with no_leaks(), RecordingServer({"read_word_reg": lambda num: num + 1, "stop": 0}) as server:
         connection = Connection(Endpoint(server.host, server.port))
         connection.open()
         assert connection.rpc.read_word_reg(7) == 8

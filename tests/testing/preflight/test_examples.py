@@ -17,7 +17,6 @@ WITH_ADDRESS = {
     "02_stop_from_another_task.py": [THERE],
     "03_blended_motions.py": [THERE],
     "07_plain_script.py": [THERE],
-    "10_sine.py": [THERE, *BRIEF],
     "14_realtime_velocity.py": [THERE, *BRIEF],
     "15_policy_sync.py": [THERE, *BRIEF],
     "manual/project_async.py": [THERE],
@@ -25,7 +24,7 @@ WITH_ADDRESS = {
 }
 #: of the manual's examples each group and each dialect; `tests/manual` runs all of them
 ON_ITS_OWN = [
-    *("01_connect_and_move.py", "13_play_npy.py", "polish.py"),
+    *("13_play_npy.py", "polish.py"),
     *("log_to_json.py", "manual/project_sync.py", "manual/realtime_async.py"),
     *("manual/serial_compat.py", "manual/modbus_sync.py"),
 ]

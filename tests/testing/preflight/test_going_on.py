@@ -160,7 +160,10 @@ async def main():
         await robot.motion.movel(here.shifted(z=-0.05), v=0.8, a=2.0)
         await robot.motion.movel(here.shifted(z=0.15), v=0.2, a=2.0)
         await robot.motion.movel(here.shifted(z=-0.05), v=0.2, a=2.0)
-        await robot.motion.movel(here.shifted(z=0.2), v=0.2, a=2.0)
+        try:
+            await robot.motion.movel(here.shifted(z=0.2), v=0.2, a=2.0)
+        except aioduco.EnvelopeViolated:
+            print("seen")
 
 asyncio.run(main())
 """
@@ -170,24 +173,13 @@ asyncio.run(main())
 def test_a_motion_beyond_the_envelope_is_gone_past_and_a_slowed_one_said(tmp_path: Path) -> None:
     report, shown = told(tmp_path, KEPT)
     found = [(each["line"], each["kind"]) for each in report["findings"]]
-    assert found == [(13, "envelope"), (15, "envelope")]
+    assert found == [(13, "envelope")], "one that is handled is none"
     slowed = {
         call["where"]["line"]: call["slowed"] for call in motions_of(report) if call["radius"] == 0
     }
     assert slowed[12] == pytest.approx(0.25, rel=0.01)
     assert slowed[13] == slowed[14] == 1.0
     assert "finished, slowed by the envelope to 25%" in shown
-
-
-@pytest.mark.slow
-def test_a_program_that_handles_the_envelope_gets_its_error(tmp_path: Path) -> None:
-    guarded = KEPT.replace(
-        "        await robot.motion.movel(here.shifted(z=0.15), v=0.2, a=2.0)",
-        "        try:\n            await robot.motion.movel(here.shifted(z=0.15), v=0.2, a=2.0)\n"
-        "        except aioduco.EnvelopeViolated:\n            print('seen')",
-    )
-    report = tried(tmp_path, guarded)
-    assert lines_of(report) == [(18, "envelope")], "the one that was handled is none"
 
 
 # -- where a motion leads ----------------------------------------------------------------------
@@ -281,8 +273,7 @@ def here():
 
 
 @pytest.mark.parametrize(
-    ("kind", "seen"),
-    [(TaskFailed, {8, 14, 20, 28, 32}), (EnvelopeViolated, {14, 20, 28, 32})],
+    ("kind", "seen"), [(TaskFailed, {8, 14, 20, 28, 32}), (EnvelopeViolated, {14, 20, 28, 32})]
 )
 def test_the_handlers_around_a_line(tmp_path: Path, kind: type[Exception], seen: set[int]) -> None:
     path = tmp_path / "handlers.py"

@@ -36,7 +36,7 @@ table = Table(at=(0.5, 0.1, 0.32 - GRIPPER.length), size=(0.2, 0.2), name="table
 with Simulator(gripper="parallel", scene=[table, part, post]) as sim:
     anyio.run(main, sim.host, sim.port)
 """
-GO = "await robot.motion.movel({}, v=0.1, a=0.5)"
+GO = "await robot.motion.movel({}, v=0.25, a=1.0)"
 GRIP = [GO.format("DOWN"), "await close(robot, True)", GO.format("DOWN.shifted(z=0.1)")]
 LET_GO = [GO.format("DOWN.shifted(z=0.002)"), "await close(robot, False)"]
 UP = GO.format("DOWN.shifted(z=0.1)")

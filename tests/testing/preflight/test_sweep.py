@@ -1,21 +1,19 @@
-"""Variations: seeded, spread over workers, and none is lost with a worker."""
+"""Variations: each kind is drawn by its seed, whatever else is varied."""
 
 from __future__ import annotations
 
-import os
-import signal
+import math
 from pathlib import Path
-from typing import Any
 
+import numpy as np
 import pytest
 
 from aioduco.errors import ParameterError
 from aioduco.kinematics import arm
+from aioduco.sim import Simulator
+from aioduco.sim.scene import Box
 from aioduco.testing.preflight import PreflightSettings, preflight
-from aioduco.testing.preflight.sweep import sweep
 from aioduco.testing.preflight.variation import KINDS, Variation
-
-PROGRAM = str(Path(__file__).parent / "programs/joint_limit.py")
 
 
 def test_a_seed_makes_the_same_variation_whatever_else_is_varied() -> None:
@@ -39,26 +37,70 @@ def test_a_start_stays_within_the_limits() -> None:
     assert all(one <= most for one, most in zip(started, limited.upper, strict=True))
 
 
+PICKS = """
+import aioduco.sync
+from aioduco.devices.grippers import DigitalGripper
+from aioduco.kinematics import arm
+from aioduco.models.gripper_models import gripper_model
+from aioduco.sim import Simulator
+from aioduco.sim.scene import Box, Table
+from aioduco.sim.simulator import READY
+
+frame = arm("gcr5_910").fkine(READY)
+at = (frame[:3, 3] + gripper_model("parallel").length * frame[:3, 2]).tolist()
+part = Box(at=at, size=(0.03, 0.03, 0.04), mass=0.3, name="part")
+tray = Table(at=(*at[:2], at[2] - 0.02), size=(0.4, 0.4))
+with Simulator(gripper="parallel", scene=[part, tray]) as sim:
+    with aioduco.sync.connect(sim.host, sim.port) as robot:
+        robot.bring_up()
+        with aioduco.sync.Gripper(
+            robot, DigitalGripper, 1, holds=1, opened=2, shut=3, travel_time=3.0, timeout=20.0
+        ) as gripper:
+            if not gripper.close().holding:
+                raise SystemExit("nothing there")
+"""
+
+
+CELL = [
+    Box(at=(0.5, 0.1, 0.03), size=(0.04, 0.04, 0.06), mass=0.3, name="near"),
+    Box(at=(0.5, 0.2, 0.03), size=(0.04, 0.04, 0.06), mass=0.3, name="far"),
+]
+
+
+def test_a_fault_of_a_part_is_applied_to_the_cell() -> None:
+    with Simulator(gripper="robotiq_2f85", scene=CELL, speed=math.inf) as sim:
+        world = sim._running().world
+        assert world.hand is not None
+        pads = world.hand.pads
+        friction = world.model.geom_friction[pads, 0].copy()
+
+        def wrong(kind: str) -> None:
+            Variation(parts=kind, part=0.7, extent=0.5).apply(sim)
+
+        wrong("slipping")
+        sim.wait_until(lambda: np.allclose(world.model.geom_friction[pads, 0], 0.5 * friction))
+        wrong("heavy")
+        sim.wait_until(lambda: sim.part_mass("far") == pytest.approx(1.3))
+        wrong("worn")
+        sim.wait_until(lambda: world.model.body_pos[world.tool_body, 2] == -0.0015)
+        wrong("stuck")
+        sim.wait_until(lambda: bool(world.data.eq_active.any()))
+        wrong("missing")
+        sim.wait_until(lambda: sim.where("far").pose.x > 900.0)
+        assert sim.part_mass("near") == pytest.approx(0.3)
+    for kind in ("slipping", "heavy", "worn", "stuck", "missing", "dropped"):
+        with Simulator() as bare:
+            Variation(parts=kind, part=0.7, extent=0.5).apply(bare)
+
+
 @pytest.mark.slow
-@pytest.mark.timeout(300)
-def test_a_killed_worker_costs_no_result_and_a_failing_seed_repeats_alone() -> None:
-    distributed = pytest.importorskip("distributed")
-    settings = PreflightSettings(vary=("start", "latency"), seed=5, timeout=100)
-    killed: list[int] = []
-    with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, dashboard_address="127.0.0.1:0", host="127.0.0.1"
-    ) as cluster:
-
-        def done(_: Any) -> None:
-            if not killed:
-                worker = next(iter(cluster.workers.values()))
-                killed.append(worker.pid)
-                os.kill(worker.pid, signal.SIGKILL)
-
-        swept = sweep(PROGRAM, (), settings, 4, scheduler=cluster.scheduler_address, done=done)
-    assert killed
-    assert [one.seed for one in swept.results] == list(range(5, 9))
-    kinds = [[each["kind"] for each in one.findings] for one in swept.results]
-    assert kinds == [["joint limit"]] * 4
-    alone = preflight(PROGRAM, (), PreflightSettings(vary=settings.vary, seed=8), quiet=True)
-    assert [one.line for one in alone.findings] == [swept.results[3].findings[0]["line"]]
+def test_a_program_that_trusts_its_part_is_found_out(tmp_path: Path) -> None:
+    program = tmp_path / "program.py"
+    program.write_text(PICKS)
+    seed = next(n for n in range(100) if Variation.of(("parts",), n).parts == "missing")
+    usual = preflight(str(program), (), PreflightSettings(timeout=110), quiet=True)
+    assert usual.ok, usual.findings
+    settings = PreflightSettings(vary=("parts",), seed=seed, timeout=110)
+    report = preflight(str(program), (), settings, quiet=True)
+    assert not report.ok
+    assert "nothing there" in report.findings[0].text

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import json
+import os
+import signal
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +18,7 @@ from interpreter import python
 from aioduco.cli.app import app
 from aioduco.errors import ParameterError
 from aioduco.testing.preflight import PreflightSettings, preflight
+from aioduco.testing.preflight import sweep as module
 
 BEGIN = """import sys
 import aioduco, aioduco.sync
@@ -37,9 +41,8 @@ assert __name__ == "__main__" and sys.argv[1:] == ["part", "7"]
 assert open("parts.txt").read() == parts.NAME
 """
 OUTSIDE = """
-def test_the_program_is_good(duco_preflight):
-    assert duco_preflight("program.py", ["7"]).ok
-    report = duco_preflight("program.py", vary=("faults",), seed=4)
+def test_the_program(duco_preflight):
+    report = duco_preflight("program.py", ["7"], vary=("faults",), seed=4)
     assert [finding.kind for finding in report.findings] == ["error"]
 """
 
@@ -111,17 +114,33 @@ def test_a_module_runs_as_python_runs_it(cell: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.timeout(300)
-def test_a_cluster_elsewhere_runs_in_the_same_folder(cell: Path) -> None:
+def test_a_cluster_elsewhere_runs_in_the_same_folder_and_a_killed_worker_costs_no_result(
+    cell: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Its workers were started in another folder. Of these seeds one cuts a command here."""
     distributed = pytest.importorskip("distributed")
+    run, killed = module.sweep, list[int]()
     with distributed.LocalCluster(
-        n_workers=1, threads_per_worker=1, dashboard_address="127.0.0.1:0", host="127.0.0.1"
+        n_workers=2, threads_per_worker=1, dashboard_address="127.0.0.1:0", host="127.0.0.1"
     ) as cluster:
+
+        def killing(*given: Any, done: Callable[[Any], None], **more: Any) -> module.SweepReport:
+            def done_and_kill(result: Any) -> None:
+                done(result)
+                if not killed:
+                    killed.append(next(iter(cluster.workers.values())).pid)
+                    os.kill(killed[0], signal.SIGKILL)
+
+            return run(*given, done=done_and_kill, **more)
+
+        monkeypatch.setattr(module, "sweep", killing)
         status, said, result = aioduco_preflight(
-            cell, "--runs", "3", "--seed", "3", "--vary", "faults", "--timeout", "200",
-            "--scheduler", cluster.scheduler_address, "-m", "cell.run", "--", "part", "7",
+            cell, "--runs", "3", "--seed", "3", "--vary", "faults,start,latency",
+            "--timeout", "200", "--scheduler", cluster.scheduler_address,
+            "-m", "cell.run", "--", "part", "7",
         )  # fmt: skip
-    assert (status, len(result.get("results", ()))) == (1, 3), said
+    assert killed
+    assert (status, [each["seed"] for each in result["results"]]) == (1, [3, 4, 5]), said
     lines = [[(one["kind"], one["line"]) for one in each["findings"]] for each in result["results"]]
     assert lines == [[], [("error", len(CARELESS.splitlines()))], []]
     assert "1 of 3 variations failed" in said
