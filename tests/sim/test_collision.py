@@ -187,22 +187,6 @@ def test_without_detection_it_pushes_until_the_position_deviates(
 
 
 @pytest.mark.slow
-def test_a_more_sensitive_level_stops_it_with_less_force(started: Started) -> None:
-    forces = []
-    for level in (1, 5):
-        sim, robot = started()
-        assert robot.collision_detect(level) == TaskState.FINISHED
-        force = 0.0
-        while not robot.getRobotStatus().collision:
-            force += 20.0
-            sim.push([0.0, force, 0.0, 0.0, 0.0, 0.0])
-            start = sim.time
-            sim.wait_until(lambda sim=sim, start=start: sim.time > start + 0.1)  # type: ignore[misc]
-        forces.append(force)
-    assert forces[1] < 0.5 * forces[0] < 200.0
-
-
-@pytest.mark.slow
 @pytest.mark.usefixtures("real_cycle")
 def test_a_wrong_load_is_an_offset_and_at_a_sensitive_level_a_collision(started: Started) -> None:
     sim, robot = started()

@@ -188,8 +188,7 @@ def test_who_waits_for_a_motion_that_is_stopped_or_paused_is_told_so(ready: Benc
 
 
 @pytest.mark.parametrize(
-    ("code", "ends"),
-    [("unreachable", 6), ("singular", 6), ("limits", 6), ("parameter", 8)],
+    ("code", "ends"), [("unreachable", 6), ("singular", 6), ("limits", 6), ("parameter", 8)]
 )
 def test_a_motion_that_cannot_be_planned_says_why(ready: Bench, code: str, ends: int) -> None:
     id_ = ready.controller.move("movel", impossible(code))
@@ -220,24 +219,26 @@ def test_a_full_queue_takes_no_more(ready: Bench) -> None:
 # -- stop, abort, pause, resume ------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("count", [1, 3])
-def test_stop_ends_all_motions_when_the_arm_stands(ready: Bench, count: int) -> None:
+@pytest.mark.parametrize(
+    ("how", "count", "ends"),
+    [
+        ("stop", 1, TaskState.STOPPED),
+        ("stop", 3, TaskState.STOPPED),
+        ("abort", 2, TaskState.INTERRUPT),
+    ],
+)
+def test_all_motions_end_when_the_arm_stands(
+    ready: Bench, how: str, count: int, ends: TaskState
+) -> None:
     ids = [ready.controller.move("movej2", leg(1.0, 1000)) for _ in range(count)]
     ready.tick(10)
-    stop = ready.controller.stop()
+    stop = getattr(ready.controller, how)()
     assert ready.state == [6, 1, 5, 1]
     assert state(ready, stop) is TaskState.RUNNING
     assert not any(state(ready, id_).ended for id_ in ids)
     assert ready.ended(stop) == 4
-    assert [state(ready, id_) for id_ in ids] == [TaskState.STOPPED] * count
+    assert [state(ready, id_) for id_ in ids] == [ends] * count
     assert ready.state == [6, 0, 5, 1]
-
-
-def test_abort_interrupts_the_motions(ready: Bench) -> None:
-    ids = [ready.controller.move("movej2", leg(1.0, 1000)) for _ in range(2)]
-    ready.tick(10)
-    assert ready.ended(ready.controller.abort()) == 4
-    assert [state(ready, id_) for id_ in ids] == [TaskState.INTERRUPT] * 2
 
 
 def test_stop_is_accepted_in_every_state(bench: Bench) -> None:
@@ -372,6 +373,9 @@ def test_switching_the_mode_pauses_and_stop_clears_it(ready: Bench) -> None:
     ready.until(lambda: ready.state == [6, 3, 5, 0])
     assert ready.ended(ready.controller.stop()) == 4
     assert ready.state == [6, 0, 5, 0]
+    ready.controller.move("movej2", leg(1.0, 100))
+    ready.tick(2)
+    assert ready.state == [6, 5, 5, 0]  # a teach task
 
 
 def test_the_program_state_may_lag_behind() -> None:
@@ -385,13 +389,6 @@ def test_the_program_state_may_lag_behind() -> None:
         assert bench.state[1] == 1
     bench.tick(10)
     assert bench.state == [6, 0, 5, 1]
-
-
-def test_motions_in_manual_mode_are_teach_tasks(ready: Bench) -> None:
-    ready.controller.switch_mode(OperationMode.MANUAL)
-    ready.controller.move("movej2", leg(1.0, 100))
-    ready.tick(2)
-    assert ready.state == [6, 5, 5, 0]
 
 
 def test_the_global_speed_outlives_a_power_cycle(ready: Bench) -> None:
@@ -523,18 +520,9 @@ def test_a_lost_heartbeat_stops_everything_and_the_next_program_may_move(ready: 
     assert state(ready, id_) is TaskState.RUNNING
     assert ready.ended(id_) == 3
     assert ready.controller.view().errors == ("heartbeat lost: all tasks were stopped",)
+    ready.controller.heartbeat.beat(ready.time, 200)
+    ready.tick(1000)  # nothing moves: no error, but it has ended
+    assert not ready.controller.heartbeat.armed
+    assert len(ready.controller.view().errors) == 1
     assert ready.state == [6, 0, 5, 1]
     assert ready.ended(ready.controller.move("movej2", leg(1.0))) == 4
-
-
-def test_a_heartbeat_that_ends_while_nothing_moves_is_no_error(ready: Bench) -> None:
-    ready.controller.heartbeat.beat(ready.time, 200)
-    ready.tick(1000)
-    assert not ready.controller.heartbeat.armed
-    assert ready.controller.view().errors == ()
-    ready.controller.heartbeat.beat(ready.time, 200)
-    assert ready.controller.heartbeat.armed
-
-
-def test_without_a_heartbeat_nothing_stops(ready: Bench) -> None:
-    assert ready.ended(ready.controller.move("movej2", leg(1.0, 4000))) == 4

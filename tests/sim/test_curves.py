@@ -30,44 +30,13 @@ def near(pose: Pose, goal: Pose) -> bool:
     return pose.almost_equal(goal, position=1e-3, rotation=3e-3)
 
 
-def test_offsets_between_two_poses(sim: Simulator, robot: Program) -> None:
-    start = tip(robot, sim)
-    p1, p2 = Pose(0.1, 0.2, 0.3, 0.0, 0.0, 0.5), Pose(0.15, 0.2, 0.3, 0.0, 0.0, 0.7)
-    step = p1.inverse() @ p2
-    assert robot.tcp_move_2p(list(p1), list(p2), 0.2, 1.0, 0.0, "", "", *END) == 4
-    assert near(tip(robot, sim), start @ step)
-
-
-def test_offsets_along_the_work_object(sim: Simulator, robot: Program) -> None:
-    assert robot.set_wobj("bench", [0.3, 0.0, 0.0, 0.0, 0.0, 0.5]) == TaskState.FINISHED
-    start = Pose.from_matrix(sim.arm.fkine(sim.joints))
-    assert robot.wobj_move([0.05, 0, 0, 0, 0, 0.2], 0.2, 1.0, 0.0, "bench", *END) == 4
-    sim.wait_until(lambda: not sim.moving)
-    turned = Pose(0, 0, 0, 0, 0, 0.2).matrix[:3, :3] @ start.matrix[:3, :3]
-    there = sim.arm.fkine(sim.joints)
-    way = np.array([0.05 * math.cos(0.5), 0.05 * math.sin(0.5), 0.0])
-    assert there[:3, 3] == pytest.approx(start.matrix[:3, 3] + way, abs=1e-3)
-    assert there[:3, :3] == pytest.approx(turned, abs=3e-3)
-    p1, p2 = [0.1, 0, 0, 0, 0, 0.2], [0.05, 0, 0, 0, 0, 0.0]
-    assert robot.wobj_move_2p(p1, p2, 0.2, 1.0, 0.0, "", "bench", *END) == 4
-    sim.wait_until(lambda: not sim.moving)
-    assert near(Pose.from_matrix(sim.arm.fkine(sim.joints)), start)
-
-
 @pytest.mark.slow
-def test_spirals(sim: Simulator, robot: Program) -> None:
+def test_spirals_and_circles_of_no_known_kind_are_refused(sim: Simulator, robot: Program) -> None:
     start = tip(robot, sim)
-    centre = Pose(start.x - 0.05, start.y, start.z, 0.0, 0.0, 0.0)
-    spiral: Any = robot.move_spiral
-    by_parameters: Any = (list(centre), [0.0] * 6, 2.0, 0.04, 0.02, 0, 0.1, 1.0, [], "", "")
-    assert spiral(*by_parameters, *END) == TaskState.FINISHED
-    assert near(tip(robot, sim), start.shifted(x=-0.03, z=0.04))
-    by_end: Any = (list(centre), list(start), 2.0, 0.0, 0.0, 1, 0.1, 1.0, [], "", "")
-    assert spiral(*by_end, *END) == TaskState.FINISHED
-    assert near(tip(robot, sim), start)
-    wrong: Any = (list(centre), list(start), math.nan, 0.0, 0.0, 1, 0.1, 1.0, [], "", "")
-    assert spiral(*wrong, *END) == TaskState.PARAMETER_MISMATCH
-    assert spiral(*by_end[:5], 2, *by_end[6:], *END) == TaskState.PARAMETER_MISMATCH
+    centre, end = list(start.shifted(x=-0.05)), list(start)
+    for turns, mode in ((math.nan, 1), (2.0, 2)):
+        wrong: Any = (centre, end, turns, 0.0, 0.0, mode, 0.1, 1.0, [], "", "", *END)
+        assert robot.move_spiral(*wrong) == TaskState.PARAMETER_MISMATCH
     side, far = list(start.shifted(x=0.05, y=0.05)), list(start.shifted(x=0.1))
     circle: Any = (side, far, 0.1, 1.0, 0.0, 0, [], "", "", *END)
     assert robot.move_circle(*circle) == TaskState.PARAMETER_MISMATCH  # by no mode 0
@@ -249,10 +218,7 @@ def test_a_trigger_at_a_pause_or_stop_counts_from_standstill(
 def test_an_event_goes_before_an_output(sim: Simulator, robot: Program) -> None:
     fired: list[float] = []
     sim.signals.events["weld"] = lambda: fired.append(sim.time)
-    op = Op(
-        *(1, 3, True, 100.0, 0.0, "weld"),
-        *(2, 4, True, 0.0, 0.01, "weld"),
-    )
+    op = Op(*(1, 3, True, 100.0, 0.0, "weld"), *(2, 4, True, 0.0, 0.01, "weld"))
     assert line(robot, op, 0.05) == TaskState.FINISHED
     assert len(fired) == 2
     assert not robot.get_standard_digital_out(3)

@@ -97,15 +97,6 @@ async def test_schemes_are_switched_on_and_off(robot: aioduco.Robot, cell: Simul
     await axes.enable_eaxis_scheme("rail")
 
 
-@pytest.mark.slow
-async def test_axes_alone(robot: aioduco.Robot, cell: Simulator) -> None:
-    before, begin = cell.joints, cell.time
-    await robot.external_axes.move_eaxis("rail", [1.0, 0.0, 0.0], 0.5)
-    assert cell.time - begin > ALONE - 0.01
-    assert await where(robot) == 1.0
-    assert max(abs(a - b) for a, b in zip(cell.joints, before, strict=True)) < 1e-4
-
-
 async def test_a_dry_run_leaves_the_axes_where_they_are(robot: aioduco.Robot) -> None:
     await robot.settings.simulation(True)
     await robot.external_axes.move_eaxis("rail", [0.4, 0.0, 0.0], 2.0)

@@ -2,18 +2,32 @@
 
 from __future__ import annotations
 
+import math
+import time
+from typing import Any
+
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from aioduco._wire.rpc import Op
 from aioduco.kinematics import arm
 from aioduco.kinematics.forward import frames
-from aioduco.models.enums import OperationMode
-from aioduco.sim.controller.monitoring import LEVELS, CollisionDetector, Standstill
+from aioduco.models.enums import OperationMode, TaskState
+from aioduco.sim.controller.monitoring import (
+    LEVELS,
+    CollisionDetector,
+    HeartbeatWatchdog,
+    Standstill,
+)
 from aioduco.sim.controller.state_machine import DEVIATION, _deviation
 from aioduco.sim.cycle import SensedState
+from aioduco.sim.simulator import Simulator
+from aioduco.testing import eventually
 
 from .fakes import Bench, leg
+from .raw import RawClient
 
 SIX = st.lists(st.floats(-1.0, 1.0), min_size=6, max_size=6).map(np.array)
 SCALE = st.sampled_from([1e-3, 2e-3, 5e-3, 0.05, 0.1, 0.2, 0.3, 1.0, 50.0])
@@ -100,3 +114,72 @@ def test_a_view_is_the_same_while_nothing_changes_and_a_new_one_when_something_d
     for number in range(25):
         controller.note_error(str(number))
     assert controller.view().errors == tuple(map(str, range(5, 25)))
+
+
+def test_a_beat_puts_the_loss_off_and_the_loss_is_said_once() -> None:
+    heartbeat = HeartbeatWatchdog()
+    assert not heartbeat.armed
+    assert not heartbeat.lost(1e9)
+    heartbeat.beat(10.0, 1000)
+    assert not heartbeat.lost(10.9)
+    heartbeat.beat(10.9, 1000)
+    assert not heartbeat.lost(11.8)
+    assert heartbeat.lost(12.0)
+    assert not heartbeat.lost(13.0)
+    assert not heartbeat.armed
+
+
+@pytest.mark.parametrize("slack", [0.0, 0.5])
+def test_a_beat_may_come_after_its_time_by_the_slack(slack: float) -> None:
+    heartbeat = HeartbeatWatchdog()
+    heartbeat.slack = slack
+    assert heartbeat.beat(0.0, 1000) == 0.0
+    assert not heartbeat.lost(1.0 + slack)
+    assert heartbeat.beat(1.0 + slack, 1000) == pytest.approx(slack)
+    assert not heartbeat.lost(2.0 + 2 * slack)
+    assert heartbeat.lost(2.001 + 2 * slack)
+    assert heartbeat.beat(4.0, 1000) == 0.0  # it was lost already: this one arms it again
+
+
+def test_a_beat_without_a_time_agrees_on_a_second() -> None:
+    heartbeat = HeartbeatWatchdog()
+    heartbeat.beat(0.0, 0)
+    assert heartbeat.time == 1000
+    assert not heartbeat.lost(0.999)
+    assert heartbeat.lost(1.001)
+
+
+@pytest.mark.parametrize(
+    ("options", "slack"),
+    [({}, 0.5), ({"strict": True}, 0.0), ({"heartbeat_slack": 2.0, "strict": True}, 2.0)],
+)
+def test_the_slack_of_a_simulator(options: dict[str, Any], slack: float) -> None:
+    with Simulator(**options) as sim:
+        assert sim._running().controller.heartbeat.slack == slack
+
+
+@pytest.mark.slow
+def test_a_program_that_beats_once_a_second_keeps_its_arm_moving() -> None:
+    """As the vendor's own demo does: rpc_heartbeat(); sleep(1), so each beat is a little late."""
+    with Simulator(speed=math.inf, heartbeat_slack=30.0) as sim, RawClient(sim.port) as robot:
+        for name in ("power_on", "enable"):
+            assert robot.call(name, True) == TaskState.FINISHED
+        robot.call("rpc_heartbeat", 200)
+        # The wait is what a late beat is made of: the machine's own lateness only adds to it.
+        eventually(lambda: overdue(sim))
+        assert robot.call("movej2", [0.5] * 6, 1.0, 2.0, 0.0, True, Op(), False) == 4
+        robot.call("rpc_heartbeat", 200)
+        assert sim.forgiven == {"late heartbeat": 1}
+
+
+def overdue(sim: Simulator) -> bool:
+    due = sim._running().controller.heartbeat._due
+    return due is not None and time.monotonic() > due
+
+
+@given(st.integers(-(2**31), 2**31 - 1))
+def test_any_time_on_the_wire_arms_it_within_what_a_controller_takes(time: int) -> None:
+    heartbeat = HeartbeatWatchdog()
+    heartbeat.beat(0.0, time)
+    assert not heartbeat.lost(0.199)
+    assert heartbeat.lost(60.001)

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 import scipy
 
-from aioduco._wire.rpc import Op, PointOp
+from aioduco._wire.rpc import Op
 from aioduco.models.enums import TaskState
 from aioduco.models.pose import Pose
 from aioduco.models.rotation import Array, matrix_from_rotvec, rotvec_from_matrix
@@ -71,7 +71,6 @@ class Case:
 V, A = 0.25, 1.5
 SLOW, SOFT = 0.12, 0.5  # a joint turns with the tool on a small circle
 END: Any = (True, Op(), False)
-REST: Any = (0.0, [], "", "", *END)
 
 
 def straight(start: Pose, end: Pose, v: float = V, a: float = A) -> Expected:
@@ -194,11 +193,6 @@ def by_tcp_2p(robot: Program, start: Pose, u: float) -> int:
 
 
 CASES = [
-    Case(
-        "movel",
-        lambda robot, s, u: robot.movel(list(s @ step(u)), V, A, *REST),
-        lambda s, u: straight(s, s @ step(u)),
-    ),
     Case("movel_frames", line_to, lambda s, u: straight(s, s @ step(u)), frames=True),
     Case(
         "tcp_move",
@@ -226,14 +220,6 @@ CASES = [
         "spline",
         lambda robot, s, u: robot.spline(
             [list(pose) for pose in knots(s, u)], V, A, "", "", True, Op(), 0.0, False
-        ),
-        through,
-    ),
-    Case(
-        "spline_op",
-        lambda robot, s, u: robot.spline_op(
-            [PointOp(list(pose), Op()) for pose in knots(s, u)],
-            *(V, A, "", "", True, Op(), 0.0, False),
         ),
         through,
     ),
@@ -289,7 +275,7 @@ def fastest(length: float, v: float, a: float, curvature: float) -> float:
     return float(2 * takes + (length - 2 * covers) / top)
 
 
-@pytest.mark.slow
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("case", CASES, ids=str)
 def test_a_path_of_the_tool(cell: Cell, case: Case) -> None:
     robot, arm = cell.robot, cell.sim.arm

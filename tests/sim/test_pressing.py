@@ -145,28 +145,6 @@ def test_a_hand_moves_what_gives_way_and_nothing_else() -> None:
     assert end[:3, :3] == pytest.approx(DOWN, abs=1e-3)
 
 
-def test_a_weak_hand_does_not_get_over_the_dead_band() -> None:
-    band = (5.0,) * 3 + (1.0,) * 3
-    cell = Cell(target=NOTHING, band=band)
-    cell.world.push([0.0, 0.0, 4.0, 0.0, 0.0, 0.0])
-    cell.run(0.5)
-    assert cell.tips[-1] == pytest.approx(cell.tips[0], abs=5e-4)
-    cell.world.push([0.0, 0.0, 15.0, 0.0, 0.0, 0.0])
-    cell.run(0.5)
-    assert cell.tips[-1][2] - cell.tips[0][2] > 0.005
-
-
-def test_a_strong_hand_is_followed_at_the_cap() -> None:
-    cell = Cell(target=NOTHING)
-    cell.world.push([0.0, 0.0, 200.0, 0.0, 0.0, 0.0])
-    cell.run(0.3)
-    begun = cell.tips[-1][2]
-    cell.run(0.4)
-    assert cell.tips[-1][2] - begun == pytest.approx(0.4 * 0.05, rel=0.02)
-    speeds = np.diff([at[2] for at in cell.tips[200:]]) / CYCLE
-    assert speeds.max() < 1.1 * 0.05
-
-
 # -- by the wire ------------------------------------------------------------------------------
 
 

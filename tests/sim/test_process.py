@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Generator
+from concurrent.futures import ThreadPoolExecutor
 from types import ModuleType
 from typing import Any
 
@@ -17,9 +18,11 @@ import pytest
 
 from aioduco.errors import ParameterError, SceneError
 from aioduco.sim.cabinet.script import Call
+from aioduco.sim.process import SimulatorProcess
 from aioduco.sim.simulator import Simulator
 
 from .conftest import Connect
+from .raw import RawClient
 
 
 def run() -> subprocess.Popen[bytes]:
@@ -148,3 +151,33 @@ def test_a_shutdown_ends_the_process(connect: Connect) -> None:
     with Simulator.spawn(speed=50.0) as sim:
         connect(sim).shutdown(False)
         assert sim.process.wait(30) == 0
+
+
+HERE, ELSEWHERE = 4, 2
+FINISHED = 4
+
+
+@pytest.mark.slow
+def test_six_simulators_at_once_share_no_port_and_no_arm() -> None:
+    """Most are in this process, as in one test run; some in their own, as where runs meet."""
+    together = threading.Barrier(HERE + ELSEWHERE)
+
+    def life(number: int) -> tuple[int, float]:
+        sim: Simulator | SimulatorProcess = (
+            Simulator(speed=math.inf) if number < HERE else Simulator.spawn(speed=math.inf)
+        )
+        with sim as running, RawClient(running.port, timeout=60.0) as client:
+            for name in ("power_on", "enable"):
+                assert client.call(name, block=True) == FINISHED
+            together.wait(60.0)  # all listen, and have their arms enabled
+            goal = [0.02 * number, 0.0, 1.57, 0.0, -1.57, 0.0]
+            assert client.call("movej2", goal, 2.0, 10.0, 0.0, True) == FINISHED
+            joints = client.call("get_actual_joints_position")
+            assert joints == pytest.approx(goal, abs=1e-3)
+            together.wait(60.0)  # none has ended before the last one has moved
+            return running.port, joints[0]
+
+    with ThreadPoolExecutor(HERE + ELSEWHERE) as pool:
+        lives = list(pool.map(life, range(HERE + ELSEWHERE)))
+    assert len({port for port, _ in lives}) == HERE + ELSEWHERE
+    assert [round(joint / 0.02) for _, joint in lives] == list(range(HERE + ELSEWHERE))

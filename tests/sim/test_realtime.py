@@ -134,16 +134,14 @@ def test_a_first_point_elsewhere_is_a_fault_and_nothing_moves(
     assert abs(sim.joints[0]) < 1e-3
 
 
-def test_other_motions_are_not_taken_meanwhile(robot: Program) -> None:
+def test_other_motions_are_not_taken_meanwhile_nor_it_while_one_runs(
+    sim: Simulator, robot: Program
+) -> None:
     assert robot.start_realtime_mode(0, 100.0, 1000.0) == TaskState.FINISHED
     assert robot.to(*READY) == TaskState.ILLEGAL
     assert robot.start_realtime_mode(1, 100.0, 0.04) == TaskState.ILLEGAL
     assert robot.stop(True) == TaskState.FINISHED
     assert robot.get_robot_state() == [6, 0, 5, 1]
-    assert robot.to(*READY) == TaskState.FINISHED
-
-
-def test_it_begins_only_where_nothing_else_runs(sim: Simulator, robot: Program) -> None:
     robot.to(2.0, *READY[1:], v=0.02, block=False)
     sim.wait_until(lambda: sim.moving)
     assert robot.start_realtime_mode(0, 100.0, 0.04) == TaskState.ILLEGAL
@@ -169,10 +167,11 @@ def test_a_point_whose_status_is_false_is_passed_over(robot: Program) -> None:
     assert robot.get_realtime_data_queue_size() == 1
 
 
-def test_a_full_queue_takes_no_more(robot: Program) -> None:
+def test_a_full_queue_takes_no_more_and_nothing_in_part(robot: Program) -> None:
     points = [velocity(ROWS[0])] * CAPACITY
-    assert robot.realtime_data_enqueue(points, True) == TaskState.FINISHED
-    assert robot.realtime_data_enqueue(points[:1], True) == -1
-    assert robot.get_realtime_data_queue_size() == CAPACITY
+    assert robot.realtime_data_enqueue(points[1:], True) == TaskState.FINISHED
+    assert robot.realtime_data_enqueue(points[:2], True) == -1
+    assert robot.get_realtime_data_queue_size() == CAPACITY - 1
+    assert robot.realtime_data_enqueue(points[:1], True) == TaskState.FINISHED
     assert robot.clear_realtime_data_queue() == TaskState.FINISHED
     assert robot.get_realtime_data_queue_size() == 0

@@ -293,8 +293,3 @@ def test_wrong_parameters_of_hand_guiding(program: Program, args: tuple[Any, ...
 
 def _tip(program: Program) -> list[float]:
     return program.get_tcp_pose()
-
-
-def test_a_track_of_another_project_is_not_there(program: Program) -> None:
-    assert program.get_files_list("track") == {}
-    assert "no folder" in program.get_last_error()[-1]

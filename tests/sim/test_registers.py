@@ -90,11 +90,6 @@ def test_analog_outputs_keep_to_their_range(
     assert sim.signals.analog_mode[4] == 1
 
 
-def test_words_of_the_status_are_signed(program: Program) -> None:
-    program.write_word_reg(1, 65535)
-    assert program.getRobotIOStatus().wordRegisterOutputs[:2] == [-1, 0]
-
-
 # -- kinds of outputs ----------------------------------------------------------------------------
 
 
@@ -159,12 +154,7 @@ def test_kinds_of_outputs_keep_to_their_range(
 
 # -- system values -------------------------------------------------------------------------------
 
-VALUES: dict[str, Any] = {
-    "bool": True,
-    "double": 2.5,
-    "str": "抓取",
-    "list": [1.0, 2.0],
-}
+VALUES: dict[str, Any] = {"bool": True, "double": 2.5, "str": "抓取", "list": [1.0, 2.0]}
 
 
 #: what an undefined one reads

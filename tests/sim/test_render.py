@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
+import sys
+import types
 from collections.abc import Iterator
+from contextlib import AbstractContextManager
 from typing import Any
 
 import numpy as np
@@ -15,6 +19,7 @@ from aioduco.kinematics import arm
 from aioduco.models.pose import Pose
 from aioduco.sim.scene import Box
 from aioduco.sim.simulator import Simulator
+from aioduco.sim.view import viewer
 from aioduco.sim.view.camera import Camera, towards
 from aioduco.sim.view.drawing import advice
 from aioduco.sim.view.film import Film
@@ -68,10 +73,14 @@ def test_another_instant_is_drawn_from_its_positions(sim: Simulator) -> None:
     assert np.mean(np.abs(now.astype(int) - then).max(axis=-1) > 20) > 0.01
 
 
-@pytest.mark.parametrize("size", [(0, 100), (1921, 100), (100, 1081)])
-def test_a_size_that_cannot_be_drawn(sim: Simulator, size: tuple[int, int]) -> None:
-    with pytest.raises(ParameterError, match="size"):
-        sim.render(width=size[0], height=size[1])
+def test_what_cannot_be_drawn_is_refused(sim: Simulator) -> None:
+    for width, height in ((0, 100), (1921, 100), (100, 1081)):
+        with pytest.raises(ParameterError, match="size"):
+            sim.render(width=width, height=height)
+    with pytest.raises(ParameterError, match="positions"):
+        sim.render(positions=np.zeros(7))
+    with pytest.raises(RuntimeError, match="not running"):
+        Simulator().render()
 
 
 @pytest.mark.slow
@@ -109,16 +118,6 @@ def test_a_process_that_is_killed_is_said_and_replaced(sim: Simulator) -> None:
     assert sim.render(width=10, height=10).shape == (10, 10, 3)
 
 
-def test_positions_of_another_arm_are_refused(sim: Simulator) -> None:
-    with pytest.raises(ParameterError, match="positions"):
-        sim.render(positions=np.zeros(7))
-
-
-def test_a_picture_needs_a_running_simulator() -> None:
-    with pytest.raises(RuntimeError, match="not running"):
-        Simulator().render()
-
-
 # -- where from, and which instants ------------------------------------------------------------
 
 
@@ -138,6 +137,7 @@ def test_the_camera_looks_at_the_arm_wherever_it_is_mounted() -> None:
 @pytest.mark.slow
 def test_a_film_leaves_out_what_looks_the_same() -> None:
     film = Film(rest=0.5)
+    assert film.frames == []
     for time, position in ((0.0, 0.0), (0.1, 0.0), (0.2, 0.3), (5.0, 0.3), (5.1, 0.4), (5.2, 0.4)):
         film.add(time, np.array([position]))
     assert [frame.positions[0] for frame in film.frames] == [0.0, 0.3, 0.4]
@@ -158,6 +158,71 @@ def test_a_long_film_has_fewer_frames_to_the_second() -> None:
     assert steps.max() < 3.0 * steps.min()
 
 
-@pytest.mark.slow
-def test_no_film_without_a_look() -> None:
-    assert Film().frames == []
+class Window:
+    """What `launch_passive` gives, as far as it is used."""
+
+    def __init__(self, model: Any, data: Any, **_: bool) -> None:
+        self.data = data
+        self.open = True
+        self.shown: list[list[float]] = []
+        self.cam = types.SimpleNamespace(
+            lookat=np.zeros(3), distance=0.0, azimuth=0.0, elevation=0.0
+        )
+
+    def lock(self) -> AbstractContextManager[None]:
+        return contextlib.nullcontext()
+
+    def is_running(self) -> bool:
+        return self.open
+
+    def sync(self) -> None:
+        self.shown.append(self.data.qpos.tolist())
+
+    def close(self) -> None:
+        self.open = False
+
+
+@pytest.fixture
+def display(monkeypatch: pytest.MonkeyPatch) -> None:
+    module = types.ModuleType("mujoco.viewer")
+    monkeypatch.setattr(module, "launch_passive", Window, raising=False)
+    monkeypatch.setitem(sys.modules, "mujoco.viewer", module)
+    monkeypatch.setattr(viewer, "need_display", lambda: None)
+
+
+@pytest.mark.usefixtures("display")
+def test_a_window_shows_where_the_arm_is() -> None:
+    with Simulator() as sim:
+        with sim.window() as window:
+            assert window.running
+            window.show()
+            shown = window._window.shown  # the stand-in
+            np.testing.assert_allclose(shown, [sim.joints], atol=1e-4)
+            assert window._window.cam.distance > 1.0
+        assert not window.running
+
+
+def test_a_camera_of_the_window_is_in_degrees() -> None:
+    window = Window(None, None)
+    Camera(azimuth=np.pi, elevation=-0.5 * np.pi, distance=3.0, target=(1.0, 2.0, 3.0)).put(
+        window.cam
+    )
+    assert (window.cam.azimuth, window.cam.elevation) == pytest.approx((180.0, -90.0))
+    assert (*window.cam.lookat, window.cam.distance) == (1.0, 2.0, 3.0, 3.0)
+
+
+def test_without_a_display_there_is_no_window(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    with Simulator() as sim, pytest.raises(RenderError, match="there is no display"):
+        sim.window()
+
+
+def test_a_display_that_is_not_there_is_no_window(monkeypatch: pytest.MonkeyPatch) -> None:
+    glfw = types.ModuleType("glfw")
+    monkeypatch.setattr(glfw, "init", lambda: False, raising=False)
+    monkeypatch.setitem(sys.modules, "glfw", glfw)
+    monkeypatch.setenv("DISPLAY", ":99")
+    with pytest.raises(RenderError, match="no window can be opened"):
+        viewer.need_display()

@@ -110,12 +110,6 @@ def enable(runtime: SimulationRuntime) -> None:
         assert runtime.wait(id_) == 4
 
 
-def test_a_command_is_seen_at_once(runtime: SimulationRuntime) -> None:
-    with runtime.command() as controller:
-        controller.set_speed(30)
-    assert runtime.snapshot.view.speed == 30
-
-
 def test_a_snapshot_never_changes(runtime: SimulationRuntime) -> None:
     enable(runtime)
     before = runtime.snapshot

@@ -10,9 +10,6 @@ from typing import Any, NoReturn
 
 import psutil
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
-from quick import examples
 from thriftpy2.thrift import TApplicationException
 
 from aioduco._wire import rpc
@@ -193,19 +190,6 @@ def test_an_answer_leaves_at_once_and_whole(server: Server) -> None:
     assert server.connections <= 1
 
 
-@pytest.mark.slow
-def test_500_idle_connections_stay_and_are_served(server: Server) -> None:
-    clients = [RawClient(server.port) for _ in range(500)]
-    try:
-        for client in (clients[0], clients[250], clients[-1]):
-            assert client.call("get_robot_state") == [6, 0, 5, 1]
-        assert server.connections == 500
-    finally:
-        for client in clients:
-            client.close()
-    eventually(lambda: server.connections == 0)
-
-
 def test_connections_beyond_the_limit_are_closed(echo: Echo) -> None:
     with Server(echo, max_connections=2) as server:
         clients = [RawClient(server.port) for _ in range(3)]
@@ -292,30 +276,3 @@ def test_ipv6_is_served_where_there_is_any(echo: Echo) -> None:
     ):
         sock.sendall(b"\x80\x01\x00\x01\x00\x00\x00\x0fget_robot_state\x00\x00\x00\x01\x00")
         assert b"get_robot_state" in sock.recv(4096)
-
-
-@settings(
-    max_examples=examples(200),
-    deadline=None,
-    suppress_health_check=[HealthCheck.function_scoped_fixture],
-)
-@given(
-    junk=st.one_of(
-        st.binary(min_size=1, max_size=300),
-        st.binary(max_size=200).map(
-            lambda tail: b"\x80\x01\x00\x01\x00\x00\x00\x06movej2\x00\x00\x00\x01" + tail
-        ),
-    )
-)
-def test_hostile_bytes_leave_the_server_serving(server: Server, junk: bytes) -> None:
-    with RawClient(server.port) as bad:
-        bad.sock.sendall(junk)
-        bad.sock.shutdown(socket.SHUT_WR)
-        while True:
-            try:
-                if not bad.sock.recv(4096):
-                    break
-            except ConnectionResetError:
-                break
-    with RawClient(server.port) as good:
-        assert good.call("get_robot_state") == [6, 0, 5, 1]

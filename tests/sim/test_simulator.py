@@ -13,6 +13,7 @@ import pytest
 import aioduco
 from aioduco._wire.rpc import Op, RobotStatus
 from aioduco.errors import ConnectionLost, ControllerError, ParameterError
+from aioduco.kinematics import models
 from aioduco.models.enums import RobotState, TaskState
 from aioduco.models.pose import Joints, Pose
 from aioduco.sim.simulator import READY, Simulator
@@ -24,6 +25,7 @@ from .conftest import (
     Connect,
     Program,
     Started,
+    a_program,
     advance_until,
     let_pass,
     standing_time,
@@ -127,21 +129,14 @@ def test_the_controller_chooses_an_acceleration_when_told_to(
 # -- tasks ---------------------------------------------------------------------------------------
 
 
-def test_a_call_that_does_not_block_returns_an_id(sim: Simulator, robot: Program) -> None:
-    with standing_time(sim):
-        first = robot.to(0.5, *READY[1:], block=False)
-        second = robot.to(0.0, *READY[1:], block=False)
-        assert 1000 <= first < second
-        advance_until(sim, lambda: robot.get_noneblock_taskstate(first) == TaskState.RUNNING)
-    sim.wait_until(lambda: robot.get_noneblock_taskstate(second) == TaskState.FINISHED, 60.0)
-    assert robot.get_noneblock_taskstate(first) == TaskState.FINISHED
-    assert robot.get_noneblock_taskstate(999) == TaskState.IDLE
-
-
-def test_blending_ends_the_first_motion_as_interrupted(sim: Simulator, robot: Program) -> None:
+def test_a_call_that_does_not_block_returns_an_id_and_a_blend_ends_the_first_as_interrupted(
+    sim: Simulator, robot: Program
+) -> None:
     with standing_time(sim):
         first = robot.to(0.5, *READY[1:], r=0.05, block=False)
         second = robot.to(0.5, 0.3, *READY[2:], r=0.05, block=False)
+        assert 1000 <= first < second
+        advance_until(sim, lambda: robot.get_noneblock_taskstate(first) == TaskState.RUNNING)
     sim.wait_until(lambda: robot.get_noneblock_taskstate(second) == TaskState.FINISHED, 60.0)
     assert robot.get_noneblock_taskstate(first) == TaskState.INTERRUPT
 
@@ -307,12 +302,6 @@ def test_a_refusal_without_blocking_is_an_id_whose_task_has_ended(robot: Program
     assert robot.get_noneblock_taskstate(id_) == TaskState.PARAMETER_MISMATCH
 
 
-def test_what_is_not_simulated_says_so(sim: Simulator, robot: Program) -> None:
-    with pytest.raises(ControllerError, match="the vendor does not publish"):
-        robot.get_axis_ratio()
-    assert not sim.moving
-
-
 @pytest.mark.usefixtures("real_cycle")
 def test_a_motion_that_has_finished_is_no_longer_moving(sim: Simulator, robot: Program) -> None:
     """However fast it was, and though the arm itself still swings out a little."""
@@ -336,14 +325,6 @@ def test_what_is_expected_and_what_is_are_of_one_cycle(sim: Simulator, robot: Pr
     assert max(map(abs, behind)) < 0.5e-3
 
 
-def test_modes_are_manual_and_automatic(robot: Program) -> None:
-    assert robot.switch_mode(0) == TaskState.FINISHED
-    assert robot.get_robot_state() == [6, 0, 5, 0]
-    assert robot.switch_mode(2) == OUT_OF_RANGE
-    assert robot.switch_mode(1) == TaskState.FINISHED
-    assert robot.get_robot_state() == [6, 0, 5, 1]
-
-
 # -- accidents -----------------------------------------------------------------------------------
 
 
@@ -362,18 +343,6 @@ def test_the_emergency_stop_ends_a_blocking_move_and_the_arm_stands(
     sim.release_emergency_stop()
     assert [robot.power_off(True), robot.power_on(True), robot.enable(True)] == [4, 4, 4]
     assert robot.to(*READY) == TaskState.FINISHED
-
-
-@pytest.mark.slow
-def test_a_lost_heartbeat_leaves_a_standing_arm(connect: Connect) -> None:
-    with Simulator() as sim:
-        robot, heart = connect(sim), connect(sim)
-        robot.bring_up()
-        heart.rpc_heartbeat(200)
-        id_ = robot.to(2.0, *READY[1:], v=0.3, block=False)
-        sim.wait_until(lambda: robot.get_noneblock_taskstate(id_) == TaskState.STOPPED, 5.0)
-        assert not sim.moving
-        assert robot.get_last_error() == ["heartbeat lost: all tasks were stopped"]
 
 
 @pytest.mark.slow
@@ -575,3 +544,22 @@ def test_the_same_program_gives_the_same_joints_at_any_speed(started: Started) -
         sim.wait_until(lambda sim=sim: not sim.moving)  # type: ignore[misc]
         ends.append(sim.joints)
     assert ends[0].almost_equal(ends[1], 1e-5)
+
+
+@pytest.mark.parametrize("model", models())
+def test_each_arm_moves_by_joints_and_along_a_line(model: str) -> None:
+    with Simulator(model, speed=math.inf) as sim, a_program(sim) as robot:
+        robot.bring_up()
+        series, _, name = model.upper().partition("_")
+        assert robot.get_robot_type()[:2] == [series, name]
+        goal = np.array(READY) + np.array([0.4, 0.1, -0.2, 0.1, 0.3, -0.5])
+        assert robot.to(*goal, v=2.0) == TaskState.FINISHED
+        sim.wait_until(lambda: not sim.moving)
+        assert np.abs(np.array(sim.joints) - goal).max() < 1e-4
+        target = Pose.of(robot.get_tcp_pose()).shifted(x=-0.02, y=0.05, z=0.03)
+        answer = robot.movel(list(target), 0.25, 2.0, 0.0, [], "", "", True, Op(), False)
+        assert answer == TaskState.FINISHED
+        sim.wait_until(lambda: not sim.moving)
+        there = Pose.of(robot.get_tcp_pose())
+        assert there.almost_equal(target, position=2e-4, rotation=2e-4)
+        assert robot.get_last_error() == []

@@ -18,14 +18,22 @@ from aioduco.kinematics import arm, models
 from aioduco.kinematics.forward import fkine, jacobian
 from aioduco.models.enums import TaskState
 from aioduco.models.pose import Pose
-from aioduco.sim.cabinet.signals import Bank, Signals
 from aioduco.sim.cabinet.tools import FrameTable
+from aioduco.sim.force.sensor import SensorNoise
 from aioduco.sim.handlers.state import tip_motion
 from aioduco.sim.refusal import Rejected
 from aioduco.sim.simulator import READY, Simulator
 from aioduco.testing import eventually
 
-from .conftest import OUT_OF_RANGE, Program, Started, advance_until, let_pass, standing_time
+from .conftest import (
+    OUT_OF_RANGE,
+    Connect,
+    Program,
+    Started,
+    advance_until,
+    let_pass,
+    standing_time,
+)
 
 ANGLES = st.lists(st.floats(-3.0, 3.0), min_size=6, max_size=6).map(np.array)
 
@@ -241,21 +249,6 @@ def test_kinematics_of_what_makes_no_sense_gives_nothing(strict: Program) -> Non
 # -- signals -------------------------------------------------------------------------------------
 
 
-def test_outputs_are_read_back_at_once(sim: Simulator, robot: Program) -> None:
-    for num in range(1, 17):
-        assert not robot.get_standard_digital_out(num)
-        assert robot.set_standard_digital_out(num, True, True) == TaskState.FINISHED
-        assert robot.get_standard_digital_out(num)
-        assert sim.get_digital_output(num)
-    for num in (1, 2):
-        id_ = robot.set_tool_digital_out(num, True, False)
-        assert robot.get_noneblock_taskstate(id_) == TaskState.FINISHED
-        assert robot.get_tool_digital_out(num)
-    status = robot.getRobotIOStatus()
-    assert status.digitalOutputs == [True] * 16
-    assert status.toolIOOut == [True] * 2
-
-
 @pytest.mark.parametrize("num", [0, 17, -1, 32767, -32768])
 def test_signals_that_do_not_exist_read_false_and_are_not_set(robot: Program, num: int) -> None:
     assert robot.set_standard_digital_out(num, True, True) == OUT_OF_RANGE
@@ -264,19 +257,6 @@ def test_signals_that_do_not_exist_read_false_and_are_not_set(robot: Program, nu
     assert not robot.get_standard_digital_in(num)
     assert not robot.get_tool_digital_in(num)
     assert robot.getRobotIOStatus().digitalOutputs == [False] * 16
-
-
-def test_a_bank_is_numbered_from_one() -> None:
-    bank = Bank(2, 0.0)
-    bank[2] = 1.5
-    assert bank.all() == [0.0, 1.5]
-    assert [bank.read(num) for num in (0, 1, 2, 3)] == [0.0, 0.0, 1.5, 0.0]
-    assert [bank[num] for num in (1, 2)] == [*bank] == [0.0, 1.5]
-    with pytest.raises(IndexError, match="1 to 2"):
-        _ = bank[0]
-    with pytest.raises(IndexError, match="1 to 2"):
-        bank[3] = 1.0
-    assert len(Signals().standard_in) == 16
 
 
 # -- what the robot is ---------------------------------------------------------------------------
@@ -293,3 +273,56 @@ def test_the_robot_says_what_it_is(robot: Program) -> None:
 
 def test_a_motion_op_without_a_trigger_is_none(robot: Program) -> None:
     assert robot.movej2(READY, 1.0, 1.0, 0.0, True, Op(trig_io_1=3), False) == TaskState.FINISHED
+
+
+def of_32_bits(numbers: list[float]) -> bool:
+    return bool(np.array(numbers, np.float32).tolist() == numbers)
+
+
+@pytest.mark.parametrize("real", [True, False])
+def test_readings_are_of_single_precision_on_request(started: Started, real: bool) -> None:
+    sim, robot = started(real_readings=real)
+    assert robot.to(0.1, 0.2, 1.3, 0.1, -1.4, 0.3) == 4
+    sim.wait_until(lambda: sim.view.standing)
+    status = robot.getRobotStatus()
+    joints, pose = robot.get_actual_joints_position(), robot.get_tcp_pose()
+    readings = [joints, pose, status.jointActualPosition, status.cartActualPosition]
+    assert [of_32_bits(each) for each in readings] == [real] * 4
+    # it goes on to settle by some micrometres
+    assert joints == pytest.approx(tuple(sim.joints), abs=1e-4)
+
+
+@pytest.mark.slow
+def test_a_force_sensor_at_rest_shows_an_offset_and_noise_until_it_is_tared(
+    connect: Connect,
+) -> None:
+    with Simulator(speed=math.inf, real_readings=True, seed=3) as sim:
+        robot = connect(sim)
+        offset = SensorNoise(3).offset
+        untared = forces(sim, robot)
+        assert all(map(of_32_bits, untared))
+        noise = np.abs(np.array(untared) - offset)[:, :3]
+        # A draw of twice what three standard deviations are comes once in a hundred million.
+        assert 0.05 < noise.max() < 1.0
+        assert np.abs(offset[:3]).max() > 1.0
+        robot.bring_up()  # which tares it, by what it shows at that instant
+        assert np.abs(np.array(forces(sim, robot)))[:, :3].max() < 2.0
+
+
+def forces(sim: Simulator, robot: Program) -> list[list[float]]:
+    """Fifty different readings of the force sensor."""
+    shown: list[list[float]] = []
+
+    def enough() -> bool:
+        force = robot.fc_get_ft()
+        if force not in shown:
+            shown.append(force)
+        return len(shown) >= 50
+
+    sim.wait_until(enough, 1e6)
+    return shown
+
+
+def test_the_same_seed_gives_the_same_noise() -> None:
+    rows = [[SensorNoise(seed)(np.zeros(6)).tolist() for _ in range(3)] for seed in (1, 1, 2)]
+    assert rows[0] == rows[1] != rows[2]

@@ -157,7 +157,7 @@ SIGNALS: list[tuple[str, int, Act, int, Any, str]] = [
     ("boolRegisterInputs", 64, bank("bool_in"), 64, True, ""),
     ("boolRegisterOutputs", 64, call("write_bool_reg"), 63, True, "read_bool_reg"),
     ("wordRegisterInputs", 32, bank("word_in"), 32, 65535, ""),
-    ("wordRegisterOutputs", 32, call("write_word_reg"), 31, 77, "read_word_reg"),
+    ("wordRegisterOutputs", 32, call("write_word_reg"), 31, 65535, "read_word_reg"),
     ("floatRegisterInputs", 32, bank("float_in"), 9, 0.5, ""),
     ("floatRegisterOutputs", 32, call("write_float_reg"), 8, 2.5, "read_float_reg"),
 ]

@@ -44,9 +44,10 @@ def test_a_pool_of_poses_is_followed_in_the_work_object(sim: Simulator, robot: P
     assert there.almost_equal(Pose.of(goals[-1]), position=1e-3, rotation=2e-3)
 
 
-def test_a_full_pool_answers_minus_one(robot: Program) -> None:
-    assert robot.trackEnqueue([turned(0.1)] * 1000, False) >= 1000
-    assert robot.trackEnqueue([turned(0.1)], False) == -1
+def test_a_full_pool_answers_minus_one_and_takes_nothing_in_part(robot: Program) -> None:
+    assert robot.trackEnqueue([turned(0.1)] * 999, False) >= 1000
+    assert robot.trackEnqueue([turned(0.1)] * 2, False) == -1
+    assert robot.trackEnqueue([turned(0.1)], True) == TaskState.FINISHED
     assert robot.trackEnqueueOp([PointOp(turned(0.1), Op())], True) == -1
     assert robot.getQueueSize() == 1000
     assert robot.trackClearQueue() == TaskState.FINISHED

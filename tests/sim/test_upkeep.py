@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import logging
 import math
 
 import pytest
+from for_each import for_each
 
 from aioduco._wire import idl
 from aioduco.errors import ControllerError
 from aioduco.models.enums import OperationMode, TaskState
 from aioduco.models.pose import Pose
 from aioduco.sim.handlers import NOT_PUBLIC
+from aioduco.sim.refusal import Forgiving, Rejected
 from aioduco.sim.simulator import READY, Simulator
 
 from .conftest import OUT_OF_RANGE, Program, advance_until, standing_time
@@ -19,7 +22,7 @@ from .conftest import OUT_OF_RANGE, Program, advance_until, standing_time
 END = 1e-5
 
 
-@pytest.mark.parametrize("name", sorted(NOT_PUBLIC))
+@for_each("name", sorted(NOT_PUBLIC))
 def test_what_is_not_public_is_refused(strict: Program, name: str) -> None:
     nothing = tuple(zero() for zero in idl.functions()[name].zeros)
     with pytest.raises(ControllerError, match=f"{name} is not simulated: the vendor does not"):
@@ -171,3 +174,26 @@ def test_dynamic_calibration_is_kept(robot: Program) -> None:
     assert robot.set_dynamic_calibration_params([[1.0, 2.0], []]) == TaskState.FINISHED
     assert robot.set_dynamic_calibration_params([[math.nan]]) == TaskState.PARAMETER_MISMATCH
     assert robot.get_dynamic_calibration_params() == [[1.0, 2.0], []]
+
+
+def test_what_is_forgiven_is_said_once_for_each_kind_and_counted(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    forgiving = Forgiving()
+    with caplog.at_level(logging.WARNING, "aioduco.sim.refusal"):
+        for smoothing in (0.0, 200.0):
+            forgiving.forgive("servo smoothing", f"smooth_vel is {smoothing}")
+        forgiving.forgive("speed", "v is 30")
+    assert [record.getMessage() for record in caplog.records] == [
+        "forgiven, said once for servo smoothing: smooth_vel is 0.0",
+        "forgiven, said once for speed: v is 30",
+    ]
+    assert forgiving.counts == {"servo smoothing": 2, "speed": 1}
+
+
+def test_a_strict_simulator_forgives_nothing() -> None:
+    forgiving = Forgiving(strict=True)
+    with pytest.raises(Rejected, match="v is 30") as refused:
+        forgiving.forgive("speed", "v is 30")
+    assert refused.value.state is TaskState.PARAMETER_MISMATCH
+    assert forgiving.counts == {}

@@ -178,12 +178,6 @@ def test_a_jog_goes_on_until_it_is_ended(sim: Simulator, robot: Program) -> None
     assert robot.stop_manual_move(True) == TaskState.FINISHED
 
 
-def test_a_jog_by_a_step(sim: Simulator, robot: Program) -> None:
-    assert robot.move_jog(jog(use_step=True, step_jointValue=0.1), True) == TaskState.FINISHED
-    sim.wait_until(lambda: not sim.moving)
-    assert sim.joints[0] == pytest.approx(0.1, abs=1e-3)
-
-
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("frame", [0, 1, 2, 3])
 def test_a_cartesian_jog_follows_the_axes_of_its_frame(

@@ -10,12 +10,11 @@ import pytest
 
 from aioduco.kinematics import Arm, arm
 from aioduco.kinematics.bodies import ROTOR, bodies
-from aioduco.models.pose import Pose
 from aioduco.models.rotation import Array
 from aioduco.sim.physics.world import World
 from aioduco.sim.planner.mover import Mover
 from aioduco.sim.planner.path import JointSetPoint
-from aioduco.sim.planner.segments import joint_move, line_move
+from aioduco.sim.planner.segments import joint_move
 
 mujoco: Any = importlib.import_module("mujoco")  # compiled, without types
 HOME = np.radians([0, 0, 90, 0, -90, 0])
@@ -143,7 +142,7 @@ def test_brakes_hold_the_arm_without_power(any_arm: Arm) -> None:
     world = World(any_arm, q=q)
     world.brake(True)
     elsewhere = JointSetPoint.at_rest(HOME)
-    for _ in range(5000):
+    for _ in range(1500):
         world.step(elsewhere)
     assert np.abs(world.q - q).max() < 1e-6
     np.testing.assert_array_equal(world.reading().torque, np.zeros(6))
@@ -213,29 +212,6 @@ def test_a_push_at_the_flange_is_felt_and_resisted() -> None:
     for _ in range(1000):
         world.step(hold)
     assert np.abs(world.q - q).max() < 1e-6
-
-
-def test_the_floor_stops_the_arm() -> None:
-    start = FIVE.ikine(Pose(0.5, 0.1, 0.2, np.pi, 0, 0), HOME)
-    world, mover = World(FIVE, q=start), Mover(FIVE, start)
-    below = FIVE.fkine(start)
-    below[2, 3] = -0.1
-    mover.append(1, lambda q: line_move(FIVE, q, below, 0.1, 0.5))
-    follow(world, mover)
-    stand(world, 1)
-    # It touches with its round end, and gives way in the servos instead.
-    assert world.flange()[2, 3] > -0.05
-    assert world.data.ncon > 0
-    assert (np.abs(world.reading().torque) <= np.array(FIVE.effort) * (1 + 1e-9)).all()
-
-
-def test_torques_end_at_the_limits_of_the_drives() -> None:
-    world = World(FIVE, q=HOME)
-    jump = JointSetPoint.at_rest(HOME + 1.0)
-    for _ in range(50):
-        world.step(jump)
-        assert (np.abs(world.reading().torque) <= np.array(FIVE.effort) * (1 + 1e-9)).all()
-    assert np.abs(world.qd).max() > 0.1
 
 
 def test_reset_stands_elsewhere_at_once() -> None:

@@ -12,14 +12,7 @@ from aioduco.kinematics import arm
 from aioduco.models.enums import RobotState
 from aioduco.models.pose import Pose
 from aioduco.models.rotation import Array
-from aioduco.sim.calibration.evidence import (
-    Evidence,
-    Motions,
-    Poses,
-    Reads,
-    StateRead,
-    TimedCall,
-)
+from aioduco.sim.calibration.evidence import Evidence, Motions, Poses, Reads, StateRead, TimedCall
 from aioduco.sim.calibration.torques import link_torques
 from aioduco.sim.physics.drives import TrailingDrives
 from aioduco.sim.planner.path import JointSetPoint

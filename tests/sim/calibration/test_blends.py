@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
 
@@ -89,18 +89,6 @@ def test_reach_and_share_are_found_within_their_intervals(kind: str, law: Corner
     assert f"{2 * len(radii)} corners" in found.notes[0]
 
 
-def test_corners_at_which_the_arm_stopped_are_not_counted() -> None:
-    found = estimate_blends(ARM, [cut("joint", CornerLaw(), blended=False)])
-    assert found.values == {}
-    assert "4 corners were recorded, and 0 of them cut" in found.missing[0]
-
-
-def test_one_radius_does_not_show_that_a_reach_is_a_share_of_it() -> None:
-    found = estimate_blends(ARM, [cut("joint", CornerLaw(), (0.03, 0.03))])
-    assert found.values == {}
-    assert "of two radii" in found.missing[0]
-
-
 @pytest.mark.slow
 def test_a_share_is_not_claimed_where_the_speed_was_the_limit() -> None:
     run = cut("joint", CornerLaw())
@@ -124,20 +112,35 @@ def test_corners_of_another_shape_are_left_out() -> None:
     assert "in another way than the simulator" in found.missing[0]
 
 
-def test_what_a_profile_cannot_have_is_not_claimed() -> None:
+def wide() -> Evidence:
     run = cut("joint", CornerLaw())
-    wide = tuple(each._replace(radius=each.radius / 3.0) for each in run.corners)
-    found = estimate_blends(ARM, [replace(run, corners=wide)])
-    assert found.values == {}
-    assert "which the simulator does not play" in found.missing[0]
+    corners = tuple(each._replace(radius=each.radius / 3.0) for each in run.corners)
+    return replace(run, corners=corners)
 
 
-def test_a_turn_about_the_tip_has_no_radius() -> None:
+def about_the_tip() -> Evidence:
     run = cut("joint", CornerLaw())
-    about = tuple(each._replace(after=each.place + 0.3 * np.eye(6)[5]) for each in run.corners)
-    assert estimate_blends(ARM, [replace(run, corners=about)]).values == {}
+    corners = (each._replace(after=each.place + 0.3 * np.eye(6)[5]) for each in run.corners)
+    return replace(run, corners=tuple(corners))
 
 
-def test_corners_of_an_unknown_tool_are_not_counted() -> None:
-    found = estimate_blends(ARM, [replace(cut("line", CornerLaw()), tool=None)])
+@pytest.mark.parametrize(
+    ("run", "said"),
+    [
+        pytest.param(
+            lambda: cut("joint", CornerLaw(), blended=False),
+            "4 corners were recorded, and 0 of them cut",
+            id="the arm stopped",
+        ),
+        pytest.param(
+            lambda: cut("joint", CornerLaw(), (0.03, 0.03)), "of two radii", id="one radius"
+        ),
+        pytest.param(wide, "which the simulator does not play", id="not in a profile"),
+        pytest.param(about_the_tip, "", id="no radius"),
+        pytest.param(lambda: replace(cut("line", CornerLaw()), tool=None), "", id="unknown tool"),
+    ],
+)
+def test_corners_that_show_nothing_are_not_counted(run: Callable[[], Evidence], said: str) -> None:
+    found = estimate_blends(ARM, [run()])
     assert found.values == {}
+    assert said in found.missing[0]

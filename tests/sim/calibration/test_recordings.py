@@ -39,7 +39,7 @@ async def test_an_arm_that_is_moved_and_recorded_is_known(
     with Simulator(profile=truth, joints=READY, speed=6, cycle=0.002) as sim:
         async with aioduco.connect(sim.host, sim.port) as robot:
             await robot.bring_up()
-        extent = Extent(reach=0.5, poses=12, rounds=1, changes=1, lapses=0)
+        extent = Extent(reach=0.3, poses=12, rounds=1, changes=1, lapses=0)
         await measuring.measure(sim.host, sim.port, path, extent, told.append)
         assert sim.joints == pytest.approx(READY, abs=1e-3)
     assert told[0] == "poses: 12 configurations"
@@ -65,8 +65,7 @@ async def test_corners_and_a_heartbeat_that_ends_are_recorded(
     hidden = {"joint_reach": 0.8, "joint_share": 0.5, "line_reach": 0.9, "line_share": 0.6}
     slack = exact(0.6)  # of this computer's time, as are the heartbeats
     truth = ArmProfile(
-        MODEL,
-        {"blends": {n: exact(v) for n, v in hidden.items()}, "heartbeat": {"slack": slack}},
+        MODEL, {"blends": {n: exact(v) for n, v in hidden.items()}, "heartbeat": {"slack": slack}}
     )
     monkeypatch.setattr(measuring, "_STILL", 0.1)
     monkeypatch.setattr(measuring, "_FORGOTTEN", 1.8)

@@ -187,13 +187,6 @@ def test_a_point_out_of_reach_ends_it() -> None:
     assert "reach" in str(follower.failure)
 
 
-def test_the_pool_takes_all_or_nothing() -> None:
-    filled = TrackPool()
-    assert filled.put([((0.0,) * 6, None)] * (CAPACITY - 1))
-    assert not filled.put([((0.0,) * 6, None)] * 2)
-    assert len(filled) == CAPACITY - 1
-
-
 def test_a_point_that_left_the_pool_is_not_mistaken_for_another() -> None:
     filled = pool([[float(number)] * 6 for number in range(4)])
     filled.take_to(1)

@@ -22,10 +22,7 @@ THERE = [0.6, 0.2, 1.3, 0.2, -1.3, 0.3]
 def test_set_points_are_those_of_the_simulator() -> None:
     down = list(Pose.from_matrix(ARM.fkine(THERE)))
     down[2] -= 0.1
-    motions = (
-        movej2(*THERE),
-        ("movel", (down, 0.2, 1.0, 0.0, THERE, "", "", False, Op(), False)),
-    )
+    motions = (movej2(*THERE), ("movel", (down, 0.2, 1.0, 0.0, THERE, "", "", False, Op(), False)))
     rehearsal, seen, apart, delays = Rehearsal(ARM), [], [], []
     with Simulator(cycle=CYCLE, joints=READY, speed=math.inf) as sim:
         client = DucoCobot(sim.host, sim.port)
