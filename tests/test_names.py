@@ -62,15 +62,6 @@ def test_a_class_name_means_one_thing() -> None:
     assert not shared_names(modules())
 
 
-def test_a_class_of_the_same_name_in_another_module_is_found() -> None:
-    trees = {
-        "api/one.py": ast.parse("class Pool: ...\nclass _Own: ..."),
-        "_wire/two.py": ast.parse("class Pool: ...\nclass _Own: ..."),
-        "sync/three.py": ast.parse("class Pool: ..."),
-    }
-    assert shared_names(trees) == {"Pool": ["api/one.py", "_wire/two.py"]}
-
-
 @pytest.mark.slow
 def test_no_more_than_two_modules_have_one_name() -> None:
     """Besides those that are called by the manual's sections."""

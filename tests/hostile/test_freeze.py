@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from for_each import for_each
 
 from aioduco.testing import eventually
 
@@ -72,51 +73,52 @@ def seen(*speeds: tuple[float, float]) -> Seen:
     return np.column_stack([times, times, joints])
 
 
-def judged(cell: Cell, *speeds: tuple[float, float], said: tuple[Line, ...] = ()) -> str:
-    """The verdict about an arm that is frozen after 2 s and thawed after 5 s."""
-    return judge(cell, 0, Way(seen(*speeds)), (2.0, 5.0), said).kind
-
-
 ALL = Cell("servo", "all", "3", guarded=False)
+GUARD = Cell("motion", "guard", "3", guarded=True)
 STOPPED = ((0.3, 2.0), (0.0, 3.02))
+MOVED = (*STOPPED, (0.0, 1.0), (0.3, 3.5))
+BEFORE, MEANWHILE = Line(1.0, "command"), Line(4.0, "command")
+TOLD = Line(5.5, "told", "GuardLost")
 
 
-def test_an_arm_that_stands_holds() -> None:
-    assert judged(ALL, *STOPPED, (0.0, 4.5)) == HOLDS
-    assert judged(ALL, *STOPPED, (0.001, 1.0), (0.0, 3.5)) == HOLDS
-
-
-def test_a_standing_arm_that_moves_is_found_whenever_it_does() -> None:
-    assert judged(ALL, *STOPPED, (0.3, 0.02), (0.0, 4.5)) == BREAKS
-    assert judged(ALL, *STOPPED, (0.0, 4.0), (0.3, 0.5)) == BREAKS
-    assert judged(ALL, *STOPPED, (0.3, 0.5), (-0.3, 0.5), (0.0, 3.5)) == BREAKS
-
-
-def test_a_moving_arm_must_come_to_rest_in_time_and_stay() -> None:
-    assert judged(ALL, (0.3, 5.0), (0.3, 2.0), (0.0, 2.5)) == HOLDS
-    assert judged(ALL, (0.3, 5.0), (0.3, 3.2), (0.0, 1.3)) == BREAKS
-    assert judged(ALL, (0.3, 5.0), (0.3, 4.5)) == BREAKS
-    assert judged(ALL, (0.3, 5.0), (0.3, 0.5), (0.0, 1.0), (0.1, 1.0), (0.0, 2.0)) == BREAKS
+@for_each(
+    "verdict, cell, speeds, said",
+    [
+        (HOLDS, ALL, (*STOPPED, (0.0, 4.5)), ()),
+        (HOLDS, ALL, (*STOPPED, (0.001, 1.0), (0.0, 3.5)), ()),
+        # an arm that stood moves, at once or later, and also if it comes back
+        (BREAKS, ALL, (*STOPPED, (0.3, 0.02), (0.0, 4.5)), ()),
+        (BREAKS, ALL, (*STOPPED, (0.0, 4.0), (0.3, 0.5)), ()),
+        (BREAKS, ALL, (*STOPPED, (0.3, 0.5), (-0.3, 0.5), (0.0, 3.5)), ()),
+        # one that moves must come to rest in time, and stay
+        (HOLDS, ALL, ((0.3, 7.0), (0.0, 2.5)), ()),
+        (BREAKS, ALL, ((0.3, 8.2), (0.0, 1.3)), ()),
+        (BREAKS, ALL, ((0.3, 9.5),), ()),
+        (BREAKS, ALL, ((0.3, 5.5), (0.0, 1.0), (0.1, 1.0), (0.0, 2.0)), ()),
+        # a program that ran all the time, and was not told, may command it
+        (GOES_ON, GUARD, MOVED, (BEFORE, MEANWHILE)),
+        (BREAKS, GUARD, MOVED, (BEFORE,)),
+        (BREAKS, GUARD, MOVED, (BEFORE, MEANWHILE, TOLD)),
+        (BREAKS, ALL, MOVED, (BEFORE, MEANWHILE)),
+    ],
+)
+def test_the_verdict_about_an_arm(
+    verdict: str, cell: Cell, speeds: tuple[tuple[float, float], ...], said: tuple[Line, ...]
+) -> None:
+    """Of one that is frozen after 2 s and thawed after 5 s."""
+    assert judge(cell, 0, Way(seen(*speeds)), (2.0, 5.0), said).kind == verdict
 
 
 def test_an_arm_may_go_on_if_no_limit_has_passed() -> None:
-    short = Way(seen((0.3, 2.3), (0.3, 1.5)))
-    program = Cell("servo", "program", "0.3", guarded=False)
-    assert judge(program, 0, short, (2.0, 2.3), ()).kind == GOES_ON
-    for scene, frozen in ("servo", "worker"), ("speed", "program"):
-        passed = Cell(scene, frozen, "0.3", guarded=False)
-        assert judge(passed, 0, Way(seen((0.3, 7.0))), (2.0, 2.3), ()).kind == BREAKS
-
-
-def test_an_arm_may_move_if_its_program_ran_all_the_time_and_commands_it() -> None:
-    guard = Cell("motion", "guard", "3", guarded=True)
-    moved = (*STOPPED, (0.0, 1.0), (0.3, 3.5))
-    before, meanwhile = Line(1.0, "command"), Line(4.0, "command")
-    told = Line(5.5, "told", "GuardLost")
-    assert judged(guard, *moved, said=(before, meanwhile)) == GOES_ON
-    assert judged(guard, *moved, said=(before,)) == BREAKS
-    assert judged(guard, *moved, said=(before, meanwhile, told)) == BREAKS
-    assert judged(ALL, *moved, said=(before, meanwhile)) == BREAKS
+    way = Way(seen((0.3, 7.0)))
+    verdicts = {
+        ("servo", "program"): GOES_ON,
+        ("servo", "worker"): BREAKS,
+        ("speed", "program"): BREAKS,
+    }
+    for (scene, frozen), kind in verdicts.items():
+        short = Cell(scene, frozen, "0.3", guarded=False)
+        assert judge(short, 0, way, (2.0, 2.3), ()).kind == kind
 
 
 def test_a_simulator_that_fell_behind_is_found() -> None:
