@@ -42,11 +42,7 @@ def set_cycle(seconds: float) -> float:
 
 
 def spare_processor(speed: float) -> None:
-    """Let this process's simulators, and those it spawns, take little of the computer if they may.
-
-    Args:
-        speed: how fast they run that the program gives no speed.
-    """
+    """Let the simulators of this process, and those it spawns, take little of the computer."""
     given: dict[str, Any] = {"cycle": COARSE, "speed": speed}
     assert Simulator.__init__.__kwdefaults__ is not None
     Simulator.__init__.__kwdefaults__.update(given)

@@ -10,12 +10,7 @@ __all__ = ["python"]
 
 
 def python(*arguments: str, **options: Any) -> subprocess.CompletedProcess[str]:
-    """Run an interpreter until it ends, and tell what it printed.
-
-    Args:
-        arguments: of the interpreter.
-        options: of `subprocess.run`.
-    """
+    """Run an interpreter until it ends, and tell what it printed."""
     return subprocess.run(
         [sys.executable, *arguments],
         check=False,

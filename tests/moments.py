@@ -47,10 +47,6 @@ async def streamed_in_time(
     """Run what leads an arm on the clock of the wall, once more if the machine was too busy for it.
 
     A stream for which set-points come too late ends, and says so: that is as it should be.
-
-    Args:
-        run: leads the arm.
-        again: awaited before it is run again, to have the arm ready where it was.
     """
     for _ in range(20):
         try:

@@ -24,11 +24,7 @@ _PROCESSES = 16
 
 
 class Ports:
-    """The ports of one process, one after the other.
-
-    Args:
-        process: its number in the run.
-    """
+    """The ports of one process, one after the other."""
 
     def __init__(self, process: int) -> None:
         count = (_PAST - _FIRST) // _PROCESSES

@@ -115,11 +115,7 @@ def _is_quick(item: pytest.Item) -> bool:
 
 
 def spread_cases(metafunc: pytest.Metafunc) -> None:
-    """Let each table of cases of a test give no more cases than the quick run takes of the test.
-
-    Args:
-        metafunc: the test.
-    """
+    """Let each table of cases of a test give no more cases than the quick run takes of the test."""
     # A table without a case would be a test that is skipped.
     limit = max(_cases_of(metafunc.definition), 1)
     parametrize = metafunc.parametrize
@@ -177,11 +173,7 @@ def part(times: Mapping[Path, int], process: int, processes: int) -> list[Path]:
 
 
 def share(text: str) -> tuple[int, int]:
-    """Read `3/8`, the third of eight shares of the cases.
-
-    Raises:
-        ValueError: it is none.
-    """
+    """Read `3/8`, the third of eight shares of the cases."""
     number, shares = (int(part) for part in text.split("/"))
     if not 1 <= number <= shares:
         raise ValueError(text)
@@ -203,11 +195,7 @@ def _cases_of(item: pytest.Item) -> int:
 
 
 def wait(path: str) -> int:
-    """How long the tests of a file take for its size, from `WAITS`.
-
-    Args:
-        path: of the file, below the folder of the tests.
-    """
+    """How long the tests of a file take for its size, from `WAITS`."""
     return _of_path(WAITS, path)
 
 

@@ -114,10 +114,7 @@ def command(server: ScriptedServer, *options: str) -> subprocess.Popen[str]:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("options", "said"),
-    [
-        ((), "stopped: the arm stands; robot ENABLE"),
-        (("--json",), '"robot": "ENABLE"'),
-    ],
+    [((), "stopped: the arm stands; robot ENABLE"), (("--json",), '"robot": "ENABLE"')],
 )
 def test_the_states_after_it_are_printed(options: tuple[str, ...], said: str) -> None:
     with ScriptedServer(answers) as server:

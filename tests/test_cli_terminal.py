@@ -83,7 +83,7 @@ ROWS = [
 ]
 #: in a test of their own below, in the files named above, or, for twin and calibrate, in tests/sim
 ELSEWHERE = {
-    *("demo", "monitor", "stop", "pause", "resume", "teleop", "sim-do", "twin", "calibrate"),
+    *("demo", "monitor", "stop", "pause", "resume", "teleop", "sim-do", "twin", "calibrate")
 }
 
 

@@ -46,12 +46,7 @@ def unrest(sim: Simulator) -> str:
 
 
 async def see_it_stand(sim: Simulator, after: object) -> None:
-    """See that no task moves the arm at this moment, and that it does no more than settle.
-
-    Args:
-        sim: the simulated arm.
-        after: what has happened, for the message.
-    """
+    """See that no task moves the arm at this moment, and that it does no more than settle."""
     joints = sim.joints.array
     assert idle(sim), f"after {after}: {unrest(sim)}"
     await eventually_async(lambda: not sim.moving, what=lambda: f"{after}: {unrest(sim)}")

@@ -179,10 +179,7 @@ class Book:
         self._took(call, time.monotonic() - start - limit)
 
     def follow_blocking(
-        self,
-        call: Call,
-        begin: Callable[[str, tuple[Any, ...], float], Any],
-        timeout: float,
+        self, call: Call, begin: Callable[[str, tuple[Any, ...], float], Any], timeout: float
     ) -> None:
         """The same for a call from a plain thread."""
         start = time.monotonic()

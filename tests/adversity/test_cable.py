@@ -104,10 +104,7 @@ def cut(proxy: FaultProxy) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(("pull", "guard"), [(freeze, None), (cut, "process")])
 async def test_for_good(
-    sim: Simulator,
-    proxy: FaultProxy,
-    pull: Callable[[FaultProxy], None],
-    guard: GuardKind | None,
+    sim: Simulator, proxy: FaultProxy, pull: Callable[[FaultProxy], None], guard: GuardKind | None
 ) -> None:
     async def program() -> None:
         async with moving(sim, proxy, guard) as (robot, task):
@@ -133,10 +130,7 @@ async def test_for_good(
 @pytest.mark.slow
 @pytest.mark.parametrize(("pull", "guard"), [(freeze, "process"), (cut, None)])
 async def test_for_a_moment(
-    sim: Simulator,
-    proxy: FaultProxy,
-    pull: Callable[[FaultProxy], None],
-    guard: GuardKind | None,
+    sim: Simulator, proxy: FaultProxy, pull: Callable[[FaultProxy], None], guard: GuardKind | None
 ) -> None:
     """Shorter than the heartbeat time: the arm goes on, and the program with it."""
     async with connect(proxy, guard, heartbeat=10.0) as robot:
@@ -155,10 +149,7 @@ async def test_for_a_moment(
 @pytest.mark.parametrize("pull", [freeze, cut])
 @BOTH
 async def test_for_longer_than_the_heartbeat(
-    sim: Simulator,
-    proxy: FaultProxy,
-    pull: Callable[[FaultProxy], None],
-    guard: GuardKind | None,
+    sim: Simulator, proxy: FaultProxy, pull: Callable[[FaultProxy], None], guard: GuardKind | None
 ) -> None:
     """The controller has stopped the arm; the program learns so, and may go on."""
     async with moving(sim, proxy, guard) as (robot, task):

@@ -66,11 +66,7 @@ async def look_and_recover(robot: aioduco.Robot) -> None:
 
 
 class Program:
-    """Opens a robot, makes it ready, and does what a script says.
-
-    Attributes:
-        through: whether it came to the end of its block, so that only leaving it was left.
-    """
+    """Opens a robot, makes it ready, and does what a script says."""
 
     def __init__(
         self,

@@ -39,10 +39,6 @@ class Watch:
 
     With the guard the heartbeat is much longer than what the tests allow: if the arm stands in
     time, it is the guard's doing.
-
-    Attributes:
-        guard: the guard, if any.
-        heartbeat: heartbeat time [s]; 0 for none.
     """
 
     guard: str = ""
@@ -60,12 +56,7 @@ BOTH = pytest.mark.parametrize("watch", [BEAT, GUARD], ids=str)
 
 @dataclass
 class Running:
-    """The program in a process of its own.
-
-    Attributes:
-        process: the process.
-        guard: process id of its guard; 0 without one.
-    """
+    """The program in a process of its own."""
 
     process: subprocess.Popen[bytes]
     guard: int

@@ -10,12 +10,7 @@ import numpy as np
 import pytest
 
 import aioduco
-from aioduco.errors import (
-    DucoError,
-    HeartbeatLost,
-    StopUnconfirmed,
-    TaskUnknown,
-)
+from aioduco.errors import DucoError, HeartbeatLost, StopUnconfirmed, TaskUnknown
 from aioduco.models.enums import Outcome
 from aioduco.sim import Simulator
 from aioduco.testing import (

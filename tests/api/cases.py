@@ -149,13 +149,7 @@ def refusal(
 @cache
 def cases() -> tuple[Case, ...]:
     """All of them."""
-    from api import (  # noqa: PLC0415  # they are made of what is here
-        bus_cases,
-        motion_cases,
-        section_cases,
-        setting_cases,
-        state_cases,
-    )
+    from api import bus_cases, motion_cases, section_cases, setting_cases, state_cases  # noqa: PLC0415  # they are made of what is here
 
     modules = (motion_cases, section_cases, bus_cases, setting_cases, state_cases)
     return tuple(case for module in modules for case in module.CASES)

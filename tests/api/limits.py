@@ -54,12 +54,7 @@ def _noting(check: Any, asked: dict[str, list[rules.Rule]]) -> Any:
 
 
 def edges(rule: Any, sample: Any) -> Iterator[Any]:
-    """The values at the edges of a rule.
-
-    Args:
-        rule: the rule.
-        sample: a value that it takes.
-    """
+    """The values at the edges of a rule."""
     match rule:
         case rules.Number():
             yield from _ends(rule)
@@ -120,12 +115,7 @@ NO_LIST = st.one_of(st.text(), st.integers(), st.floats(), st.booleans(), st.sam
 
 
 def wrong(rule: Any, sample: Any) -> SearchStrategy[Any]:
-    """Values that a rule refuses.
-
-    Args:
-        rule: the rule.
-        sample: a value that it takes.
-    """
+    """Values that a rule refuses."""
     match rule:
         case rules.Number():
             return _outside(rule.low, rule.high, open_low=rule.open_low)

@@ -59,9 +59,7 @@ STATES = [
     ),
     *[vector(f"get_tcp_{what}") for what in ("speed", "acceleration", "force")],
     call(
-        *("state", "get_tcp_force_tool", {"tool": "grip"}, "grip"),
-        answer=SIX,
-        result=frozen(*SIX),
+        *("state", "get_tcp_force_tool", {"tool": "grip"}, "grip"), answer=SIX, result=frozen(*SIX)
     ),
     call("state", "get_flange_pose", {}, answer=POSE, result=Pose(*POSE)),
     *[vector(f"get_flange_{what}") for what in ("speed", "acceleration")],

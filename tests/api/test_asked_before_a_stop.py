@@ -161,10 +161,7 @@ async def refused_by_a_stop(
     assert [type(each) for each in raised] == [aioduco.TaskStopped]
 
 
-FED: dict[
-    str,
-    tuple[Callable[[aioduco.Robot], Awaitable[None]], _Call],
-] = {
+FED: dict[str, tuple[Callable[[aioduco.Robot], Awaitable[None]], _Call]] = {
     "realtime_data_enqueue": (
         into_realtime,
         lambda robot: robot.realtime.realtime_data_enqueue([RealtimePoint.joint_position(HOME)]),

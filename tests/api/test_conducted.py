@@ -69,11 +69,7 @@ async def test_it_lasts_longer_than_a_call_may_take(desk: Desk, motion: Answered
     ],
 )
 async def test_another_end_is_an_error_that_says_what_the_controller_lists(
-    robot: aioduco.Robot,
-    desk: Desk,
-    motion: AnsweredAtItsEnd,
-    answer: int,
-    error: type[Exception],
+    robot: aioduco.Robot, desk: Desk, motion: AnsweredAtItsEnd, answer: int, error: type[Exception]
 ) -> None:
     desk.errors = ["an older one"]
     desk.fails(motion.name, answer, "out of reach")

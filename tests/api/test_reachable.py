@@ -19,7 +19,7 @@ from api.cases import DATA, MANUAL, NOBODY
 ON_THE_ROBOT = {"stop", "pause", "resume", "abort"}
 #: what a program has no use for, and why
 EXCEPTIONS = {
-    "rpc_heartbeat": "sent by the robot's heartbeat while it is open; connect(heartbeat=...)",
+    "rpc_heartbeat": "sent by the robot's heartbeat while it is open; connect(heartbeat=...)"
 }
 #: what the manual has and the wire has not, and where it is here
 ELSEWHERE = {

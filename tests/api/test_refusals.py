@@ -210,13 +210,7 @@ def test_a_time_is_as_long_as_the_arm_could_move_at_its_speeds() -> None:
         ranges.run_time("time", 2.001, (3.0, 6.0), (1.0, 6.0))
 
 
-@pytest.mark.parametrize(
-    ("rule", "value"),
-    [
-        (ranges.BLEND_RADIUS, 20),
-        (ranges.WEAVE_OFFSET, 5),
-    ],
-)
+@pytest.mark.parametrize(("rule", "value"), [(ranges.BLEND_RADIUS, 20), (ranges.WEAVE_OFFSET, 5)])
 def test_a_length_in_millimetres_is_refused(rule: Any, value: Any) -> None:
     with pytest.raises(ParameterError, match=r"\(millimetres\?\)"):
         rule("length", value)

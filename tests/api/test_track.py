@@ -141,8 +141,7 @@ async def test_a_stop_empties_a_pool_with_points_of_this_program(
 
 
 @pytest.mark.parametrize(
-    "ending",
-    [PermitEnding.LAPSED, PermitEnding.HUNG, PermitEnding.STOPPED, PermitEnding.PAUSED],
+    "ending", [PermitEnding.LAPSED, PermitEnding.HUNG, PermitEnding.STOPPED, PermitEnding.PAUSED]
 )
 async def test_it_is_emptied_before_anything_else_if_another_one_stopped_the_arm(
     robot: aioduco.Robot, pool: Desk, ending: PermitEnding

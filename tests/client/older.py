@@ -85,17 +85,7 @@ def _in_order(structs: dict[str, Any]) -> list[str]:
 
 
 class OlderController:
-    """A server of one generation that answers what it is told to.
-
-    Args:
-        generation: one of `NAMES`.
-        folder: where the IDL is written.
-
-    Attributes:
-        answers: by function, the answer or a callable that is given the arguments.
-        received: the calls, each with the fields that it had in this generation's layout.
-        structs: the structs of this generation.
-    """
+    """A server of one generation that answers what it is told to."""
 
     def __init__(self, generation: str, folder: Path) -> None:
         path = folder / f"{generation}.thrift"

@@ -24,14 +24,7 @@ from aioduco import (
     StreamLeavesEnvelope,
     TaskStopped,
 )
-from aioduco.envelope import (
-    Envelope,
-    JointMargin,
-    SingularityMargin,
-    ToolForce,
-    ToolSpeed,
-    Zone,
-)
+from aioduco.envelope import Envelope, JointMargin, SingularityMargin, ToolForce, ToolSpeed, Zone
 from aioduco.models.trace import CallFinished, TraceEvent
 from aioduco.sim import Simulator
 from aioduco.supervision.command import MotionCommand

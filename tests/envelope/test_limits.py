@@ -217,10 +217,7 @@ def test_millimetres_are_no_zone_that_no_arm_ever_meets(make: Any) -> None:
 
 @pytest.mark.parametrize(
     "make",
-    [
-        lambda: ToolSpeed(250),
-        lambda: Zone.plane((0, 0, 0), (0, 0, 1), action="slow", speed=100),
-    ],
+    [lambda: ToolSpeed(250), lambda: Zone.plane((0, 0, 0), (0, 0, 1), action="slow", speed=100)],
 )
 def test_millimetres_per_second_are_no_limit_that_holds_nothing(make: Any) -> None:
     with pytest.raises(ParameterError, match="must be a number above 0, up to 20 m/s"):

@@ -146,13 +146,7 @@ def random_zones(rng: np.random.Generator, q: np.ndarray, room: float = 0.01) ->
 
 @dataclass
 class Seen:
-    """What the simulated controller was told, and what its arm did.
-
-    Attributes:
-        setpoints: of servoj, as the handler gets them.
-        q: joints in each cycle.
-        stopped: cycles at which a stop came.
-    """
+    """What the simulated controller was told, and what its arm did."""
 
     setpoints: list[list[float]]
     q: list[np.ndarray]
@@ -213,13 +207,7 @@ class Trials:
         self.nearest = math.inf
 
     async def carry_out(self, kind: str, seed: int, number: int) -> None:
-        """One trial.
-
-        Args:
-            kind: one of `KINDS`.
-            seed: of all trials.
-            number: of this one.
-        """
+        """One trial."""
         self._rng = np.random.default_rng([seed, number])
         await getattr(self, kind)()
         self.counts[kind] += 1
@@ -489,16 +477,7 @@ class Trials:
 
 @dataclass
 class Outcome:
-    """What came of some trials, as JSON takes it.
-
-    Attributes:
-        first: number of the first one.
-        counts: what became of them.
-        deepest: see `Trials`, by kind.
-        nearest: see `Trials`; null where nothing was streamed.
-        failed: by number, what was wrong.
-        wall, processor: what they took [s].
-    """
+    """What came of some trials, as JSON takes it."""
 
     first: int
     counts: dict[str, int]
@@ -512,20 +491,10 @@ class Outcome:
 async def run(
     numbers: Iterable[int], seed: int, *, kind: str = "", speed: float = SPEED
 ) -> Outcome:
-    """Carry out trials on a simulator of their own.
-
-    Args:
-        numbers: of the trials.
-        seed: of all of them.
-        kind: one of `KINDS`; empty for each in turn.
-        speed: of the simulator's clock.
-    """
+    """Carry out trials on a simulator of their own."""
     numbers = list(numbers)
     failed: dict[str, str] = {}
-    with (
-        watched() as seen,
-        Simulator(speed=speed, seed=seed, pedestal=1.0, cycle=CYCLE) as sim,
-    ):
+    with watched() as seen, Simulator(speed=speed, seed=seed, pedestal=1.0, cycle=CYCLE) as sim:
         async with aioduco.connect(
             sim.host,
             sim.port,

@@ -381,11 +381,7 @@ class ArmWorld(World):
         self.controller.arrive()
 
     def stop_answered(self, sent: float) -> None:
-        """Note that a stop was answered: nothing that was older is much later than it.
-
-        Args:
-            sent: when it was sent [s].
-        """
+        """Note that a stop was answered: nothing that was older is much later than it."""
         now = self.time()
         for call in self.calls.values():
             if call.state == "sent" and call.reset_at is not None and sent >= call.reset_at:

@@ -36,16 +36,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Mutation:
-    """A mend that is taken out.
-
-    Attributes:
-        name: what is then wrong.
-        owner: class whose attribute is replaced.
-        attribute: the attribute.
-        instead: what it is replaced by.
-        scenario: the kind of world or program in which it is found.
-        depth: number of steps, or of departures, within which it is found.
-    """
+    """A mend that is taken out."""
 
     name: str
     owner: type

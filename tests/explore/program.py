@@ -89,11 +89,7 @@ def to_completion(step: Callable[[], Steps[T]]) -> Steps[tuple[T, Cancelled | No
 
 
 class Program:
-    """One program with one robot.
-
-    Attributes:
-        polls: whether something may happen between the state of a task and its answer.
-    """
+    """One program with one robot."""
 
     polls = False
 

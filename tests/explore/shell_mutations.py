@@ -30,10 +30,7 @@ def mend(
 
 mend("1: a stop ends no permits", Gate, "end", programs.Stopped)(_same_epoch)
 mend(
-    "4: a stop that is being confirmed ends permits, and no more",
-    Gate,
-    "stop",
-    programs.Envelope,
+    "4: a stop that is being confirmed ends permits, and no more", Gate, "stop", programs.Envelope
 )(_ends_permits_alone)
 mend("a mode is not noted when it is entered", Modes, "enter", programs.Mode)(lambda *_: False)
 mend(
@@ -43,11 +40,7 @@ mend(
 
 @mend("1: a permit is asked for when it is a motion's turn", Dispatcher, "launch", programs.Stopped)
 async def _asks_at_lock(
-    self: Dispatcher,
-    command: Any,
-    *,
-    deadline: float | None = None,
-    on_cancel: Any = None,
+    self: Dispatcher, command: Any, *, deadline: float | None = None, on_cancel: Any = None
 ) -> Any:
     async with self._order:
         permit = self._asked(command)

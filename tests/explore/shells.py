@@ -30,13 +30,7 @@ import aioduco
 from aioduco._wire.channel import Carrier, LaneCall
 from aioduco._wire.idl import functions
 from aioduco._wire.lane import WireLane
-from aioduco.errors import (
-    CallTimeout,
-    DucoError,
-    NotSent,
-    OutcomeUnknown,
-    StopUnconfirmed,
-)
+from aioduco.errors import CallTimeout, DucoError, NotSent, OutcomeUnknown, StopUnconfirmed
 from aioduco.models.enums import TaskState
 from aioduco.supervision.concurrency import BackgroundTasks
 from aioduco.supervision.dispatcher import Dispatcher
@@ -491,11 +485,7 @@ class Run(ArmWorld):
     # -- the program -------------------------------------------------------------------------------
 
     def go(self, program: Callable[[Robot], Awaitable[object]]) -> None:
-        """Run a program to its end.
-
-        Raises:
-            Violation: the promise is broken.
-        """
+        """Run a program to its end."""
         loop = self.loop
 
         async def main() -> None:
@@ -707,16 +697,7 @@ def _nothing() -> None:
 
 @dataclass(frozen=True)
 class Tried:
-    """What was tried.
-
-    Attributes:
-        runs: number of runs.
-        departures: most departures of a run from the order in which things come.
-        choices: most choices of a run.
-        seconds: how long it took.
-        broken: how the promise is broken; empty if it holds.
-        order: the order in which it is, in plain words.
-    """
+    """What was tried."""
 
     runs: int
     departures: int
@@ -736,12 +717,7 @@ class Tried:
 
 
 def depart(program: Callable[[Choices], None], most: int) -> Tried:
-    """Try all runs of a program with up to `most` departures, those with the fewest first.
-
-    Args:
-        program: carries out one run; raises `Violation` with the order if the promise is broken.
-        most: most departures.
-    """
+    """Try all runs of a program with up to `most` departures, those with the fewest first."""
     begin = time.process_time()
     runs = longest = 0
     given: list[dict[int, int]] = [{}]

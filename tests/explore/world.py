@@ -59,13 +59,7 @@ class Named:
 
 
 class Process:
-    """A coroutine or thread.
-
-    Args:
-        name: its name, for messages.
-        steps: what it does.
-        home: the operating system's process to which it belongs.
-    """
+    """A coroutine or thread."""
 
     __slots__ = ("error", "home", "key", "name", "over", "ready", "started", "steps", "value")
 
@@ -316,11 +310,7 @@ class World:
         """Do what happens by itself as time passes."""
 
     def check(self) -> None:
-        """Check the promise.
-
-        Raises:
-            Violation: it is broken.
-        """
+        """Check the promise."""
 
     def do_cancel(self, name: str) -> None:
         self.spend("cancel")
@@ -369,16 +359,7 @@ class World:
 
 @dataclass(frozen=True)
 class Found:
-    """What an exploration found.
-
-    Attributes:
-        states: number of different states.
-        depth: number of actions of the longest order that was tried.
-        whole: whether there are no further states.
-        seconds: how long it took.
-        broken: how the promise is broken; empty if it holds.
-        order: the shortest order in which it is, in plain words.
-    """
+    """What an exploration found."""
 
     states: int
     depth: int
@@ -408,12 +389,7 @@ def few_collections() -> Iterator[None]:
 
 @few_collections()
 def explore(make: Callable[[], World], depth: int) -> Found:
-    """Try all orders of up to `depth` actions, the shortest first.
-
-    Args:
-        make: makes the world at its beginning.
-        depth: most actions of an order.
-    """
+    """Try all orders of up to `depth` actions, the shortest first."""
     begin = time.process_time()
     world = make()
     seen = {world.key()}
@@ -440,12 +416,7 @@ def explore(make: Callable[[], World], depth: int) -> Found:
 
 
 class _Node:
-    """A state to go on from.
-
-    Args:
-        path: the actions that lead there.
-        world: the world in that state.
-    """
+    """A state to go on from."""
 
     __slots__ = ("path", "world")
 

@@ -51,12 +51,7 @@ def frozen(pid: int) -> bool:
 
 
 class Started:
-    """A program that runs.
-
-    Attributes:
-        process: it.
-        guard: process id of its guard.
-    """
+    """A program that runs."""
 
     def __init__(self, process: subprocess.Popen[str], guard: int) -> None:
         self.process = process

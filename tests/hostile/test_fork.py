@@ -36,13 +36,7 @@ def bench() -> Iterator[Bench]:
 
 @dataclass
 class Ended:
-    """How the program ended.
-
-    Attributes:
-        code: its exit code.
-        told: what it wrote.
-        errors: what it and its children wrote beside that.
-    """
+    """How the program ended."""
 
     code: int
     told: dict[str, Any]

@@ -72,11 +72,7 @@ def bench() -> Iterator[Bench]:
 
 
 class Frozen:
-    """A frozen program of several parts, and how often it was started.
-
-    Attributes:
-        said: what it said of each part, by name.
-    """
+    """A frozen program of several parts, and how often it was started."""
 
     def __init__(
         self,

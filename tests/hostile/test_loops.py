@@ -343,9 +343,7 @@ def test_trio_as_a_guest_of_asyncio_is_refused_too(bench: Bench) -> None:
         loop = asyncio.get_running_loop()
         over: asyncio.Future[Any] = loop.create_future()
         trio.lowlevel.start_guest_run(
-            guest,
-            run_sync_soon_threadsafe=loop.call_soon_threadsafe,
-            done_callback=over.set_result,
+            guest, run_sync_soon_threadsafe=loop.call_soon_threadsafe, done_callback=over.set_result
         )
         with pytest.raises(WrongLoop, match="aioduco needs asyncio"):
             (await over).unwrap()

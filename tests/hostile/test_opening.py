@@ -23,12 +23,7 @@ async def test_a_first_beat_that_takes_longer_than_the_stall_limit_is_no_hung_lo
 
     bench.answer("rpc_heartbeat", slowly)
     async with aioduco.connect(
-        bench.host,
-        bench.port,
-        guard=guard,
-        heartbeat=60.0,
-        call_timeout=20.0,
-        loop_stall_limit=0.3,
+        bench.host, bench.port, guard=guard, heartbeat=60.0, call_timeout=20.0, loop_stall_limit=0.3
     ) as robot:
         assert robot.heartbeat is not None
         assert robot.heartbeat.state is HeartbeatState.BEATING

@@ -392,9 +392,7 @@ def test_an_excepthook_that_blocks_stands_before_no_stop(bench: Bench) -> None:
             program.communicate("", timeout=60)
 
 
-async def test_a_robot_that_is_forgotten_is_stopped_where_warnings_are_errors(
-    bench: Bench,
-) -> None:
+async def test_a_robot_that_is_forgotten_is_stopped_where_warnings_are_errors(bench: Bench) -> None:
     robot = aioduco.connect(bench.host, bench.port)
     await robot.open()
     await robot.motion.movej2(HOME, v=1.0, a=1.0).start()

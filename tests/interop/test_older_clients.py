@@ -91,8 +91,7 @@ def test_stop_without_block_returns_at_once_and_stops(sim: Simulator) -> None:
 def test_both_triggers_of_the_first_op_fire(sim: Simulator) -> None:
     """Its second trigger stands where a later Op has the event of the first."""
     op = first_op(
-        start={"kind": 1, "output": 3, "value": True},
-        end={"kind": 1, "output": 4, "value": True},
+        start={"kind": 1, "output": 3, "value": True}, end={"kind": 1, "output": 4, "value": True}
     )
     with RawClient(sim.host, sim.port) as robot:
         bring_up(robot)

@@ -204,10 +204,7 @@ def test_what_is_not_six_finite_numbers_is_refused(kind: type[Pose | Joints], va
 
 
 @pytest.mark.parametrize("kind", [Pose, Joints])
-@for_each(
-    "values",
-    [([0.0] * 6,), (np.zeros(6),), ("here",), (), (1, 2, 3), (1, 2, 3, 4, 5, 6, 7)],
-)
+@for_each("values", [([0.0] * 6,), (np.zeros(6),), ("here",), (), (1, 2, 3), (1, 2, 3, 4, 5, 6, 7)])
 def test_a_class_of_six_numbers_tells_that_there_are_not_six(
     kind: type[Pose | Joints], values: tuple[Any, ...]
 ) -> None:

@@ -41,8 +41,7 @@ both = pytest.mark.parametrize("robot", ROBOTS, ids=["awaited", "waiting"])
 
 @both
 @pytest.mark.parametrize(
-    "name",
-    ["envelop", "evelope", "enevlope", "Envelope", "en_velope", "envelope_", "envelopes"],
+    "name", ["envelop", "evelope", "enevlope", "Envelope", "en_velope", "envelope_", "envelopes"]
 )
 def test_a_misspelt_envelope_is_refused(robot: Any, name: str) -> None:
     with pytest.raises(AttributeError, match=f"no '{name}': did you mean 'envelope'"):

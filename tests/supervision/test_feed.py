@@ -100,9 +100,7 @@ async def test_it_begins_when_it_is_used(bench: Bench, robot: aioduco.Robot) -> 
 
 
 async def test_the_rate_is_held_and_measured(bench: Bench) -> None:
-    async with (
-        aioduco.connect(bench.host, bench.port, state_rate=100.0) as robot,
-    ):
+    async with aioduco.connect(bench.host, bench.port, state_rate=100.0) as robot:
         with robot.feed.subscribe("every", size=1000) as samples:
             numbers = []
             async for sample in samples:

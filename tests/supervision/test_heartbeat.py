@@ -127,9 +127,7 @@ class Line(Connection):
         return 0
 
 
-def test_a_hung_loop_is_reported_before_the_arm_is_stopped(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_hung_loop_is_reported_before_the_arm_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
     """A program that sees its arm stand would otherwise move it, and not be told why it stood."""
     noted: list[object] = []
     life = Liveness()

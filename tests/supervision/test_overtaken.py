@@ -18,12 +18,7 @@ from aioduco.testing import eventually_async
 
 
 class Mode:
-    """Realtime control, which the controller starts only when it is let.
-
-    Attributes:
-        let: set to let it start.
-        on: whether it is on.
-    """
+    """Realtime control, which the controller starts only when it is let."""
 
     def __init__(self, bench: Bench) -> None:
         self.on = False

@@ -65,11 +65,7 @@ async def test_a_task_tells_its_states_and_times(robot: aioduco.Robot, bench: Be
     ],
 )
 async def test_each_bad_end_is_a_typed_error(
-    robot: aioduco.Robot,
-    bench: Bench,
-    end: TaskState,
-    error: type[aioduco.TaskError],
-    words: str,
+    robot: aioduco.Robot, bench: Bench, end: TaskState, error: type[aioduco.TaskError], words: str
 ) -> None:
     bench.ends = end
     bench.motion_time = 30.0

@@ -197,9 +197,7 @@ MOVES = st.sampled_from(
 
 
 @given(st.lists(st.tuples(MOVES, st.floats(0.0, 4.0)), max_size=60))
-def test_it_is_never_done_while_the_motion_may_still_begin(
-    story: list[tuple[str, float]],
-) -> None:
+def test_it_is_never_done_while_the_motion_may_still_begin(story: list[tuple[str, float]]) -> None:
     """Done: answered and stopped after it, or reset and stopped and watched for long enough."""
     one = motion()
     now = 0.0

@@ -29,11 +29,7 @@ class Hand(PolledGripper):
     """A gripper that holds something once it was closed, and reports what the test says."""
 
     def __init__(
-        self,
-        robot: Robot | None = None,
-        *,
-        max_age: float = 30.0,
-        model: GripperModel = PARALLEL,
+        self, robot: Robot | None = None, *, max_age: float = 30.0, model: GripperModel = PARALLEL
     ) -> None:
         del robot
         super().__init__(model, poll=0.005, max_age=max_age)

@@ -13,12 +13,7 @@ import numpy as np
 import pytest
 
 import aioduco
-from aioduco.devices.teleoperation import (
-    KeyboardDevice,
-    Reading,
-    TeleopScale,
-    teleoperate,
-)
+from aioduco.devices.teleoperation import KeyboardDevice, Reading, TeleopScale, teleoperate
 from aioduco.devices.teleoperation.keyboard import Keyboard
 from aioduco.errors import ParameterError
 from aioduco.models.ranges import JOINT_SPEED

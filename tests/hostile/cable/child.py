@@ -53,17 +53,7 @@ class Child:
         await stdin.send(f"{text}\n".encode())
 
     async def says(self, what: str, timeout: float, after: int = 0) -> Line:
-        """Wait until it has said something.
-
-        Args:
-            what: the kind of line.
-            timeout: the longest wait [s].
-            after: how many of its lines are not meant.
-
-        Raises:
-            TimeoutError: it did not.
-            RuntimeError: it ended instead.
-        """
+        """Wait until it has said something."""
         with anyio.move_on_after(timeout):
             while True:
                 news = self._news
@@ -106,13 +96,7 @@ class Child:
 
 @asynccontextmanager
 async def child(namespace: str, module: str, *options: str) -> AsyncIterator[Child]:
-    """Run a module of this folder inside a namespace; it is killed at the end.
-
-    Args:
-        namespace: the name of the network namespace.
-        module: the module's name.
-        options: its arguments.
-    """
+    """Run a module of this folder inside a namespace; it is killed at the end."""
     command = ["ip", "netns", "exec", namespace, sys.executable, "-m", f"hostile.cable.{module}"]
     process = await anyio.open_process(
         [*command, *options],

@@ -8,12 +8,7 @@ from .lines import Line
 
 
 def first_told(program: Sequence[Line], ended: float) -> float:
-    """When the program knew: it was told something of its motion, or it had ended [s].
-
-    Args:
-        program: what it said.
-        ended: when its process ended [s].
-    """
+    """When the program knew: it was told something of its motion, or it had ended [s]."""
     return min([line.at for line in program if line.what == "told"] + [ended])
 
 
@@ -21,9 +16,5 @@ def begun_after(controller: Sequence[Line], told: float) -> list[Line]:
     """The times at which a resting arm began to move although the program knew that it rests.
 
     An arm that moved already, and goes on to the end of its motion, does not begin.
-
-    Args:
-        controller: what it said of the arm.
-        told: when the program knew [s].
     """
     return [line for line in controller if line.what == "begin" and line.at > told]

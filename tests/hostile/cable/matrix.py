@@ -21,13 +21,7 @@ from .trial import KINDS, OUTAGES, SCENES, Cell, Result, cells, trial
 async def trials(
     chosen: Sequence[Cell], jobs: int, report: Callable[[Result], object] = lambda _: None
 ) -> list[Result]:
-    """Try all of these.
-
-    Args:
-        chosen: what is tried.
-        jobs: how many at a time.
-        report: told of each result.
-    """
+    """Try all of these."""
     results: list[Result] = []
     limit = anyio.Semaphore(jobs)
 

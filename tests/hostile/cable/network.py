@@ -55,12 +55,7 @@ def _run(*command: str, given: str = "") -> str:
 
 @dataclass(frozen=True, slots=True)
 class Network:
-    """A cable with a namespace at each end.
-
-    Attributes:
-        controller: name of the controller's namespace.
-        program: name of the program's namespace.
-    """
+    """A cable with a namespace at each end."""
 
     controller: str
     program: str
@@ -90,11 +85,7 @@ class Network:
 
 @contextmanager
 def network() -> Iterator[Network]:
-    """A new network; at the end, the program's processes are killed and the namespaces removed.
-
-    Raises:
-        NotPermitted: it cannot be made.
-    """
+    """A new network; at the end, the program's processes are killed and the namespaces removed."""
     name = f"aioduco-{os.getpid()}-{next(_numbers)}"
     made = Network(f"{name}-controller", f"{name}-program")
     ends = ((made.controller, CONTROLLER), (made.program, _PROGRAM))

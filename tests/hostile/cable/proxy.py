@@ -38,12 +38,7 @@ _CHUNK = 65536
 
 @dataclass(frozen=True, slots=True)
 class Outage:
-    """A time in which bytes are kept.
-
-    Attributes:
-        begin: when it began [s].
-        seconds: how long it lasts.
-    """
+    """A time in which bytes are kept."""
 
     begin: float
     seconds: float
@@ -145,12 +140,7 @@ class Pipe:
 
 
 class Proxy:
-    """Passes bytes on, in one thread.
-
-    Args:
-        host: where it listens.
-        port: of the controller, on the loopback.
-    """
+    """Passes bytes on, in one thread."""
 
     def __init__(self, host: str, port: int) -> None:
         self._upstream = ("127.0.0.1", port)

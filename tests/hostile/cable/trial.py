@@ -44,15 +44,7 @@ _STREAM = 3.0
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """What is tried.
-
-    Attributes:
-        kind: how the network fails: one of `KINDS`.
-        outage: for how long [s].
-        scene: what the program does meanwhile: one of `SCENES`.
-        heartbeat: its heartbeat time [s]; None for none.
-        guard: whether it has a guard.
-    """
+    """What is tried."""
 
     kind: str
     outage: float

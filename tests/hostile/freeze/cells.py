@@ -39,14 +39,7 @@ def turned(angle: float) -> list[float]:
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """What is tried.
-
-    Attributes:
-        scene: what the program does: one of `SCENES`.
-        frozen: which processes are frozen: one of `SETS`.
-        how: for how long, or what happens meanwhile: one of `HOWS`.
-        guarded: whether the program has a guard.
-    """
+    """What is tried."""
 
     scene: str
     frozen: str

@@ -27,11 +27,7 @@ def why_not() -> str:
 
 
 def compiled(folder: Path) -> Path:
-    """Compile the library that programs load.
-
-    Raises:
-        RuntimeError: it could not be compiled.
-    """
+    """Compile the library that programs load."""
     library = folder / "clock.so"
     command = ["cc", "-shared", "-fPIC", "-O2", "-Wall", "-o", str(library), str(_SOURCE), "-ldl"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -41,14 +37,7 @@ def compiled(folder: Path) -> Path:
 
 
 class StandingClock:
-    """The clock of one program and its children.
-
-    Args:
-        library: what `compiled` made.
-
-    Attributes:
-        environment: variables that the program needs.
-    """
+    """The clock of one program and its children."""
 
     def __init__(self, library: Path) -> None:
         descriptor, name = tempfile.mkstemp(prefix="freeze-clock-")

@@ -61,11 +61,7 @@ def limit(cell: Cell, variant: int) -> float:
     # of a stream through the queue in points, one a millisecond
     queued = (_HOLD, _SPEED_HOLD)[variant] * CYCLE / 1e-3
     program = {"servo": _HOLD, "realtime": min(queued, _STALL), "speed": _SPEED_HOLD}
-    limits = {
-        "program": program.get(cell.scene, _STALL),
-        "worker": _AWAY,
-        "guard": _HEARTBEAT,
-    }
+    limits = {"program": program.get(cell.scene, _STALL), "worker": _AWAY, "guard": _HEARTBEAT}
     return min(limits[role] for role in cell.roles)
 
 
@@ -76,11 +72,7 @@ def goes_on_by_design(cell: Cell, variant: int, seconds: float) -> bool:
 
 
 class Way:
-    """What was seen of an arm.
-
-    Args:
-        seen: each cycle.
-    """
+    """What was seen of an arm."""
 
     def __init__(self, seen: Seen) -> None:
         self.times: NDArray[np.float64] = seen[:, 0]
@@ -143,16 +135,7 @@ def judge(
     said: Sequence[Line],
     rest_limit: float = REST_LIMIT,
 ) -> Verdict:
-    """Judge a run.
-
-    Args:
-        cell: what was tried.
-        variant: of the program.
-        way: what was seen of the arm, to the end.
-        moments: when the processes were frozen and thawed [s].
-        said: what the program said.
-        rest_limit: time from the thaw within which a moving arm must have come to rest [s].
-    """
+    """Judge a run."""
     frozen, thawed = moments
     stood = way.spread(thawed - _BEFORE, thawed) <= _STILL
     moved = way.spread(thawed, way.times[-1])

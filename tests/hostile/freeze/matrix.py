@@ -27,13 +27,7 @@ _WORDS = (SCENES, SETS, HOWS, GUARDS)
 
 
 def trials(runs: Sequence[tuple[Cell, int]], jobs: int, patience: Patience) -> Generator[Result]:
-    """Try all of these; the results come in the same order.
-
-    Args:
-        runs: cells and seeds.
-        jobs: how many at a time.
-        patience: how much of the machine a verdict asks for.
-    """
+    """Try all of these; the results come in the same order."""
     with ExitStack() as stack:
         tools = Tools(
             plans=any(cell.scene == "plan" for cell, _ in runs),
@@ -59,11 +53,7 @@ def trials(runs: Sequence[tuple[Cell, int]], jobs: int, patience: Patience) -> G
 
 
 def chosen(words: Sequence[str]) -> list[Cell]:
-    """The cells that have all of these words; of words for the same dimension, one of them.
-
-    Raises:
-        ValueError: a word is none of any dimension.
-    """
+    """The cells that have all of these words; of words for the same dimension, one of them."""
     known = {word for dimension in _WORDS for word in dimension}
     if unknown := [word for word in words if word not in known]:
         raise ValueError(f"{', '.join(unknown)}: none of {', '.join(sorted(known))}")

@@ -12,10 +12,7 @@ from pathlib import Path
 #: variable of the environment that each process of a run inherits
 MARK = "FREEZE_RUN"
 #: by what is in their command lines
-_ROLES = {
-    b"aioduco.supervision.guard.process": "guard",
-    b"aioduco.streaming.worker.main": "worker",
-}
+_ROLES = {b"aioduco.supervision.guard.process": "guard", b"aioduco.streaming.worker.main": "worker"}
 #: until all threads of a process have stopped [s]
 _STOPPED = 5.0
 
@@ -46,9 +43,6 @@ def freeze(pids: Sequence[int]) -> None:
 
     A thread in an uninterruptible wait ("D") executes nothing before it stops: one that starts a
     program waits so until its child is that program, which a child that was stopped first never is.
-
-    Raises:
-        TimeoutError: one does not stop.
     """
     for pid in pids:
         _signal(pid, signal.SIGSTOP)

@@ -68,12 +68,7 @@ class Again(Exception):
 
 
 class Tools:
-    """What all runs need: made once, in a folder that is removed at the end.
-
-    Args:
-        plans: whether a plan is needed.
-        suspends: whether the clock of a suspended computer is.
-    """
+    """What all runs need: made once, in a folder that is removed at the end."""
 
     def __init__(self, *, plans: bool, suspends: bool) -> None:
         self._folder = tempfile.TemporaryDirectory(prefix="freeze-")
@@ -96,11 +91,7 @@ class Tools:
         self._folder.cleanup()
 
     def wait(self, until: float) -> None:
-        """Wait until a time.
-
-        Raises:
-            Ended: all runs are to end.
-        """
+        """Wait until a time."""
         if self.ended.wait(max(until - now(), 0.0)):
             raise Ended
 
@@ -135,18 +126,7 @@ class Result:
 
 
 def trial(cell: Cell, seed: int, arm: Arm, tools: Tools, patience: Patience) -> Result:
-    """Try it, again if the machine was too slow. What goes wrong with the run is its result.
-
-    Args:
-        cell: what is tried.
-        seed: decides what `Draw` says.
-        arm: the simulator, which nothing else uses meanwhile.
-        tools: what all runs need.
-        patience: how much of the machine the verdict asks for.
-
-    Raises:
-        Ended: all runs are to end.
-    """
+    """Try it, again if the machine was too slow. What goes wrong with the run is its result."""
     result = Result(cell, seed)
     begin = now()
     while result.verdict.kind == ERROR and len(result.retries) < patience.attempts:

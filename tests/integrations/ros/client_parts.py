@@ -49,13 +49,7 @@ def smooth_way(
 
 
 def spoiled(goal: Callable[[], Any], duration: Callable[[float], Any], old: Any) -> dict[str, Any]:
-    """Ten goals, each with one thing wrong.
-
-    Args:
-        goal: makes one that is right.
-        duration: as its points have it, of so many seconds.
-        old: a stamp of half a minute ago.
-    """
+    """Ten goals, each with one thing wrong."""
     names = ("partial", "name", "nan", "times", "negative", "empty", "lengths", "limits")
     made = {name: goal() for name in (*names, "elsewhere", "old")}
     made["partial"].trajectory.joint_names.pop()

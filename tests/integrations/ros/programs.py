@@ -30,18 +30,7 @@ def processor_time(pid: int) -> float:
 
 
 class Programs:
-    """Starts programs that all end with the stack.
-
-    Args:
-        folder: for logs and files.
-        stack: what they end with.
-        environment: variables of theirs, beside those of this process.
-
-    Attributes:
-        folder: as given.
-        environment: all of their variables.
-        client_program: the file of the client, which writes a line of JSON for each answer.
-    """
+    """Starts programs that all end with the stack."""
 
     client_program: str
 
@@ -111,12 +100,7 @@ def _end(process: subprocess.Popen[str]) -> None:
 def ur_services(
     ask: Callable[[list[tuple[str, dict[str, Any]]]], list[dict[str, Any]]], sim: Simulator
 ) -> None:
-    """Call what a user of the Universal Robots driver knows, on an arm that stands enabled.
-
-    Args:
-        ask: calls services, and returns what they answer.
-        sim: the arm, which has the programs WAVE.
-    """
+    """Call what a user of the Universal Robots driver knows, on an arm that stands enabled."""
 
     def call(*services: str | tuple[str, dict[str, Any]]) -> list[str]:
         asked = [(each, {}) if isinstance(each, str) else each for each in services]

@@ -24,11 +24,7 @@ _MASTER = "import rosmaster.main as m; m.rosmaster_main()"
 
 
 class Graph(Programs):
-    """A master, and what is started with it; all of it ends with the stack.
-
-    Attributes:
-        master: the master's process.
-    """
+    """A master, and what is started with it; all of it ends with the stack."""
 
     client_program = "ros1_client.py"
 

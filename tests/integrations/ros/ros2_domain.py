@@ -20,13 +20,7 @@ _LEASE = "<sec>0</sec><nanosec>600000000</nanosec>"
 
 
 class Domain(Programs):
-    """Processes that see one another, and nobody else; all of them end with the stack.
-
-    Args:
-        folder: for logs and files.
-        stack: what they end with.
-        number: of the domain, 0 to 101.
-    """
+    """Processes that see one another, and nobody else; all of them end with the stack."""
 
     client_program = "ros2_client.py"
 
@@ -61,11 +55,7 @@ class Domain(Programs):
         )
 
     def lease(self, lease: str = "") -> dict[str, str]:
-        """Variables for a client: the driver's profile for Fast DDS, with another lease if given.
-
-        Args:
-            lease: as the profile has it, `<sec>4</sec>`.
-        """
+        """Variables for a client: the driver's profile for Fast DDS, perhaps with another lease."""
         shipped = _PROFILE.read_text()
         assert _LEASE in shipped
         profile = self.folder / "fastdds.xml"

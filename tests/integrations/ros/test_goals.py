@@ -245,12 +245,7 @@ class FakeRobot:
 
 
 class HeldMotion:
-    """A motion that goes on until it is ended, and comes to rest when it may.
-
-    Attributes:
-        begun: how many parts of goals were begun.
-        rest: set while an arm that is to come to rest does so.
-    """
+    """A motion that goes on until it is ended, and comes to rest when it may."""
 
     def __init__(self) -> None:
         self.begun = 0

@@ -18,10 +18,7 @@ from trajectory_msgs.msg import JointTrajectoryPoint
 from aioduco.integrations.ros.ros1.message_classes import install
 
 install()
-from control_msgs.msg import (  # noqa: E402
-    FollowJointTrajectoryAction,
-    FollowJointTrajectoryGoal,
-)
+from control_msgs.msg import FollowJointTrajectoryAction, FollowJointTrajectoryGoal  # noqa: E402
 from moveit_msgs.msg import MoveGroupAction, MoveGroupResult, MoveItErrorCodes  # noqa: E402
 
 
