@@ -235,16 +235,10 @@ def test_sim_without_a_display_shows_no_window(monkeypatch: pytest.MonkeyPatch) 
 def test_demo_without_a_terminal(tmp_path: Path) -> None:
     """The whole of it: an arm in a process of its own, plain lines, a plot, and a result."""
     plot, result = tmp_path / "demo.png", tmp_path / "demo.json"
-    done = subprocess.run(
-        # Slowly: a motion is stopped in its middle, and a line has to come before the one before it
-        # ends, for which a busy machine then has seconds.
-        [*COMMAND_LINE, "demo", "--speed", "0.25", "--plot", str(plot), "--json", str(result)],
-        check=False,
-        capture_output=True,
-        text=True,
-        stdin=subprocess.DEVNULL,
-        timeout=300,
-    )
+    # Slowly: a motion is stopped in its middle, and a line has to come before the last one ends,
+    # for which a busy machine then has seconds.
+    words = ("demo", "--speed", "0.25", "--plot", str(plot), "--json", str(result))
+    done = python(*COMMAND_LINE[1:], *words, stdin=subprocess.DEVNULL, timeout=300)
     told = result.read_text(encoding="utf-8") if result.exists() else done.stdout
     assert (done.returncode, complaints(done.stderr)) == (0, ""), told
     assert "\x1b" not in done.stdout, "no colours and no cursor movements outside a terminal"

@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 import os
-import re
 import signal
 from collections.abc import Iterator
 from pathlib import Path
@@ -17,13 +16,9 @@ from patient import COMMAND_LINE
 from ports import free_port
 from recording.playback.recorded import write
 from terminals import terminal
-from test_cli_monitor import moving
 from test_cli_robot import ready_arm
 
-import aioduco
-import aioduco.sync
 from aioduco.cli.app import app
-from aioduco.models.enums import ProgramState
 from aioduco.sim import Simulator
 
 pytestmark = pytest.mark.slow
@@ -81,14 +76,15 @@ ROWS = [
     Row("ros1 --host {host}", shows=b"of ROS 1", code=1),
     Row("ros2 --host {host}", shows=b"of ROS 2", code=1),
 ]
-#: in a test of their own below, in the files named above, or, for twin and calibrate, in tests/sim
+#: in the files named above and test_cli_robot.py, or, for twin and calibrate, in tests/sim
 ELSEWHERE = {
     *("demo", "monitor", "stop", "pause", "resume", "teleop", "sim-do", "twin", "calibrate")
 }
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def arm() -> Iterator[Simulator]:
+    """One for all of the commands, each of which leaves it enabled and standing."""
     with ready_arm() as sim:
         yield sim
 
@@ -122,39 +118,6 @@ def test_a_command_in_a_terminal(row: Row, arm: Simulator, tmp_path: Path) -> No
     assert row.shows in shown
     assert b"Traceback" not in shown
     assert not arm.moving
-
-
-def test_a_simulator_does_what_a_terminal_tells_it() -> None:
-    with terminal("sim", "--port", "0", command=COMMAND_LINE) as sim:
-        sim.until_it_shows(b"commands on ")
-        sim.until_it_shows(b";")
-        found = re.search(rb"commands on (\d+);", bytes(sim.seen))
-        assert found
-        for words, code in (("push 0 0 -20", 0), ("input 99 on", 1)):
-            given = ("sim-do", "--control-port", found[1].decode(), *words.split())
-            with terminal(*given, command=COMMAND_LINE) as shell:
-                assert shell.exit_code() == code, bytes(shell.seen)
-        os.killpg(sim.program.pid, signal.SIGINT)
-        assert sim.exit_code() == 0
-
-
-def test_a_motion_is_paused_resumed_and_stopped_from_a_terminal() -> None:
-    with (
-        ready_arm() as sim,
-        aioduco.sync.connect(
-            sim.host, sim.port, heartbeat=30.0, call_timeout=30.0, clock=sim.clock
-        ) as robot,
-    ):
-        task = moving(sim, robot, 3.0)
-        for words, typed in (("pause", ()), ("resume", YES), ("stop", ())):
-            with terminal(words, f"{sim.host}:{sim.port}", command=COMMAND_LINE) as shell:
-                for text, keys in typed:
-                    shell.until_it_shows(text)
-                    shell.press(keys)
-                assert shell.exit_code() == 0, bytes(shell.seen)
-        with pytest.raises(aioduco.TaskStopped):
-            task.wait()
-        assert sim.view.program is ProgramState.STOPPED
 
 
 def test_each_command_is_tried_in_a_terminal() -> None:

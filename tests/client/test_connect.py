@@ -58,11 +58,6 @@ async def refused(port: int, host: str = "127.0.0.1") -> aioduco.ConnectError:
     return caught.value
 
 
-async def test_an_unknown_host() -> None:
-    error = await refused(7003, "no-such-controller.invalid")
-    assert "no-such-controller.invalid:7003: unknown host" in str(error)
-
-
 @pytest.mark.slow
 async def test_an_address_that_leads_nowhere_is_tried_once(
     bench: Bench, monkeypatch: pytest.MonkeyPatch

@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from interpreter import python
 from moments import complaints
 
 import aioduco.sync
@@ -52,13 +53,7 @@ NEEDS_ARM = ("gripper_dh.py", "gripper_of_your_own.py", "measure_payload.py", "t
 def run(*command: str, speed: int | None = None) -> str:
     """Run an example; one that makes its own arms tells how fast these may be."""
     own = () if speed is None else ("--speed", str(speed))
-    done = subprocess.run(
-        [sys.executable, "-W", "error", PATIENT, *own, *command],
-        check=False,
-        capture_output=True,
-        text=True,
-        timeout=110,
-    )
+    done = python("-W", "error", PATIENT, *own, *command, timeout=110)
     assert complaints(done.stderr) == ""
     assert done.returncode == 0
     return done.stdout
@@ -87,9 +82,7 @@ def test_a_load_is_measured() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NEEDS_ARM)
 def test_an_example_for_an_arm_says_that_it_needs_an_address(name: str) -> None:
-    done = subprocess.run(
-        [sys.executable, str(EXAMPLES / name)], check=False, capture_output=True, text=True
-    )
+    done = python(str(EXAMPLES / name))
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith(f"usage: {name} ")
 
@@ -159,8 +152,7 @@ def test_a_port_that_is_no_number_is_a_wrong_argument() -> None:
     """By argparse, and not by a traceback, which says nothing of a port."""
     files = [*EXAMPLES.glob("*.py"), EXAMPLES / "manual" / "cabinet.py"]
     assert not [file.name for file in files if "int(sys.argv" in file.read_text("utf-8")]
-    command = [sys.executable, str(EXAMPLES / "01_connect_and_move.py"), "127.0.0.1", "70O3"]
-    done = subprocess.run(command, check=False, capture_output=True, text=True, timeout=50)
+    done = python(str(EXAMPLES / "01_connect_and_move.py"), "127.0.0.1", "70O3")
     assert done.returncode == 2
     assert done.stderr.endswith("argument port: invalid int value: '70O3'\n")
 
@@ -170,12 +162,7 @@ def test_two_arms_are_two_or_simulated() -> None:
         (("nowhere.invalid",), 2, "addresses of two arms"),
         (("--help",), 0, "two simulated arms"),
     ):
-        done = subprocess.run(
-            [sys.executable, str(EXAMPLES / "two_arms.py"), *arguments],
-            check=False,
-            capture_output=True,
-            text=True,
-        )
+        done = python(str(EXAMPLES / "two_arms.py"), *arguments)
         assert (done.returncode, told in done.stdout + done.stderr) == (code, True), done
 
 
@@ -218,13 +205,7 @@ def test_the_notebook_runs_from_its_first_cell_to_its_last(monkeypatch: pytest.M
     cells = json.loads(path.read_text("utf-8"))["cells"]
     assert not any(cell.get("outputs") for cell in cells), "it is kept without outputs"
     assert sum(len(cell["source"]) for cell in cells) < 120
-    done = subprocess.run(
-        [sys.executable, "-c", _EXECUTED, str(path)],
-        check=False,
-        capture_output=True,
-        text=True,
-        timeout=110,
-    )
+    done = python("-c", _EXECUTED, str(path), timeout=110)
     assert done.returncode == 0, done.stderr
     assert "50 mm down" in done.stdout
     assert "FINISHED finished" in done.stdout

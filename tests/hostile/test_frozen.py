@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from client.bench import HOME, Bench
+from interpreter import python
 
 import aioduco
 from aioduco._process import frozen
@@ -178,9 +179,7 @@ def test_a_program_that_does_not_say_that_it_is_frozen_moves_nothing_when_starte
 
 def test_a_program_that_is_not_frozen_may_call_it() -> None:
     code = "import aioduco; aioduco.freeze_support(); print('done')"
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False
-    )
+    done = python("-c", code)
     assert done.stdout == "done\n"
 
 
@@ -209,8 +208,6 @@ def test_a_frozen_program_without_a_console_ends_its_process() -> None:
         "try:\n    aioduco.freeze_support()\n"
         "finally:\n    print('the program went on')\n"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False
-    )
+    done = python("-c", code)
     assert done.returncode == 1
     assert "the program went on" not in done.stdout

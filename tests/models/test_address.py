@@ -53,7 +53,8 @@ WRONG = [
         "[]:7003",
         "[host]:1",
     ),
-    *("a b", "host\n", "http://host:7003", "host/1", "user@host", ":::", "1:2:3", "[::1]:70030"),
+    *("[host]:1", "a b", "host\n", "http://host:7003", "host/1", "user@host", ":::", "1:2:3"),
+    "[::1]:70030",
     *(".", "a..b", "x" * 64, "0" * 9 + ":1" * 9, "host:" + "9" * 5000),
 ]
 
@@ -134,6 +135,12 @@ def test_a_port_in_the_host_is_said_to_be_another_argument(
         make(given)
 
 
-@pytest.mark.parametrize("host", ["::1", "fe80::1%eth0", "arm.lan", "192.168.1.10"])
+@for_each(
+    "host",
+    [
+        *("::1", "fe80::1%eth0", "arm.lan", "192.168.1.10", "robot", "robot.", "röbot.cell"),
+        *("a_b-c.d", "r" * 63),
+    ],
+)
 def test_a_host_alone_is_taken(host: str) -> None:
-    assert host_alone(host) == host
+    assert host_alone(host) == host == aioduco.connect(host).host

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
 from importlib.util import find_spec
@@ -15,6 +13,7 @@ import anyio
 import numpy as np
 import pytest
 from cli_runner import CliRunner
+from interpreter import python
 from moments import complaints, streamed_in_time
 from patient import COMMAND_LINE, patient_queue
 from PIL import Image
@@ -213,14 +212,8 @@ async def test_what_comes_into_the_way_stops_the_arm_or_is_gone_round() -> None:
 @pytest.mark.slow
 def test_the_demonstration(tmp_path: Path) -> None:
     told = tmp_path / "told.json"
-    command = [*COMMAND_LINE, "demo", "--plan", "--json", str(told)]
-    done = subprocess.run(
-        [*command, "--pictures", str(tmp_path)],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=110,
-    )
+    command = [*COMMAND_LINE[1:], "demo", "--plan", "--json", str(told)]
+    done = python(*command, "--pictures", str(tmp_path), timeout=110)
     assert done.returncode == 0, done.stdout + done.stderr
     steps = json.loads(told.read_text(encoding="utf-8"))["steps"]
     names = ["home", "a joint goal", "a pose goal", "a straight line", "round the board"]
@@ -240,15 +233,9 @@ def test_the_demonstration(tmp_path: Path) -> None:
 def test_the_example() -> None:
     root = Path(__file__).parents[2]
     example = root / "examples" / "16_plan_round_obstacle.py"
-    command = [sys.executable, "-W", "error", str(root / "tests" / "patient.py"), str(example)]
+    command = ["-W", "error", str(root / "tests" / "patient.py"), str(example)]
     with Simulator.spawn(scene=[BOARD], joints=list(LEFT)) as sim:
-        done = subprocess.run(
-            [*command, sim.host, "--port", str(sim.port)],
-            capture_output=True,
-            text=True,
-            timeout=100,
-            check=False,
-        )
+        done = python(*command, sim.host, "--port", str(sim.port))
     assert (complaints(done.stderr), done.returncode) == ("", 0)
     assert "on the right side\non the left side again, round a ball" in done.stdout
 

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import itertools
 import math
-import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 import pytest
 import scipy
+from interpreter import python
 
 from aioduco import (
     GoalInCollision,
@@ -258,13 +257,7 @@ def test_nothing_is_printed_and_importing_loads_nothing_of_the_extra() -> None:
         "    planner.plan_blocking(start, Joints.deg(9, 0, 90, 0, -90, 0))\n"
         "assert 'ompl' not in sys.modules\n"
     )
-    done = subprocess.run(
-        [sys.executable, "-W", "error", "-c", code],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=60,
-    )
+    done = python("-W", "error", "-c", code)
     assert (done.stdout, done.stderr, done.returncode) == ("", "", 0)
 
 

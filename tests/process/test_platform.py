@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-import subprocess
 import sys
 from pathlib import Path
 from typing import ClassVar
 
 import pytest
+from interpreter import python
 
 from aioduco import ParameterError, WorkerFailed
 from aioduco.api.streams.servo import Servo
@@ -44,14 +44,7 @@ asyncio.run(main())
 @pytest.mark.slow
 def test_a_program_runs_on_a_bare_platform_and_the_guard_says_what_it_needs() -> None:
     environment = {**os.environ, "PYTHONPATH": str(BARE), "AIODUCO_TESTS_BARE": str(BARE)}
-    done = subprocess.run(
-        [sys.executable, "-c", PROGRAM],
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=110,
-    )
+    done = python("-c", PROGRAM, env=environment, timeout=110)
     assert done.returncode == 0, done.stderr
     said, stopped = done.stdout.splitlines()
     assert said.startswith("a guard's process needs Linux, and this system has no packets between")

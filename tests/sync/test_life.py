@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import subprocess
-import sys
 import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -203,9 +201,7 @@ def test_a_program_that_ends_without_closing(desk: Desk) -> None:
         "robot.motion.movej2.start([0, 0, 1.5, 0, -1.5, 0], v=1.0, a=1.0)\n"
         "print('ends')\n"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=False, timeout=60
-    )
+    done = python("-c", program)
     assert (done.stdout, done.returncode) == ("ends\n", 0)
     assert "left <Robot" in done.stderr
     assert desk.commands == ["movej2", "stop"]

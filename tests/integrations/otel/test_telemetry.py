@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-import subprocess
-import sys
 import time
 from typing import TYPE_CHECKING, Any
 
 import anyio
 import pytest
+from interpreter import python
 from opentelemetry.sdk.metrics import MeterProvider
 from opentelemetry.sdk.metrics.export import InMemoryMetricReader
 from opentelemetry.sdk.trace import TracerProvider
@@ -247,9 +246,7 @@ def test_nothing_is_loaded_where_it_is_not_asked_for() -> None:
         "print([name for name in sys.modules if name.startswith(('opentelemetry', 'zenoh',"
         " 'aioduco.integrations', 'aioduco.integrations.fleet'))])"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=False
-    )
+    done = python("-c", program)
     assert done.stdout.strip() == "[]", done.stderr
 
 
