@@ -13,13 +13,11 @@ class Program:
         departures: number of departures that the tests try.
         kinds: the kind of what moves the arm in it, by its name.
         breaks: how often a connection may break.
-        fine: whether answers may arrive while the loop has something to do.
     """
 
     departures = 1
     kinds: dict[str, str]
     breaks = 1
-    fine = True
 
     async def begin(self, robot: Robot) -> None:
         """Do what it begins with, and name what may happen, in its order."""
@@ -221,7 +219,7 @@ def tried(kind: type[Program], departures: int | None = None) -> Tried:
 
     def once(choices: Choices) -> None:
         program = kind()
-        run = Run(choices, program.kinds, fine=program.fine)
+        run = Run(choices, program.kinds)
         run.breaks, run.arrivals = program.breaks, 9
         program.prepare(run)
         current[:] = [run]

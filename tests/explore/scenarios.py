@@ -116,7 +116,7 @@ class Outage(Scenario):
     """A motion is awaited and may be cancelled, and the network fails for any time."""
 
     kinds = {"A": MOTION}
-    gate = 20
+    gate = 18
     victims = ("A",)
     wrong = {"down": 1, "cancel": 1}
     does = {"A": "awaits"}
@@ -137,7 +137,7 @@ class Mode(Scenario):
     """A mode is entered, and the arm stopped; then a motion is awaited."""
 
     kinds = {"M": MODE, "A": MOTION}
-    gate = 14
+    gate = 13
     prompt = True
     victims = ("M",)
     wrong = {"cancel": 1, "break": 1}
@@ -170,7 +170,7 @@ class Resumed(Scenario):
     """The paused motion of another program is resumed, and the robot left, or the arm stopped."""
 
     kinds = {"foreign": MOTION, "R": RESUME}
-    gate = 16
+    gate = 15
     prompt = True
     victims = ("R",)
     wrong = {"cancel": 1, "break": 1}
@@ -254,7 +254,7 @@ class Left(Scenario):
     """The robot is left while a motion and a mode are on their way."""
 
     kinds = {"A": MOTION, "M": MODE}
-    gate = 12
+    gate = 11
     prompt = True
     wrong = {"break": 1}
     does = {"A": "awaits", "M": "enters", "leave": "leaves"}
@@ -297,7 +297,7 @@ class Frozen(Living):
     """A motion that reads first is awaited; the program freezes or hangs, the computer sleeps."""
 
     kinds = {"A": MOTION}
-    gate = 14
+    gate = 13
     freezable: tuple[str, ...] = ("program", "loop")
     wrong = {"freeze": 1, "suspend": 1, "exit": 1}
 
@@ -406,7 +406,7 @@ class Guarded(Living):
     """The paused motion of another program is resumed; program or guard are killed or frozen."""
 
     kinds = {"foreign": MOTION, "R": RESUME}
-    gate = 12
+    gate = 11
     guarded = True
     freezable: tuple[str, ...] = ("program", "guard")
     mortal: tuple[str, ...] = ("program", "guard")

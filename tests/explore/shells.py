@@ -267,7 +267,6 @@ class Run(ArmWorld):
 
     Args:
         choices: what happens.
-        fine: whether answers may arrive while the loop has something to do.
         commands: what moves the arm in it.
 
     Attributes:
@@ -278,10 +277,9 @@ class Run(ArmWorld):
         arrivals: how often a motion may still arrive at its target.
     """
 
-    def __init__(self, choices: Choices, kinds: Mapping[str, str], *, fine: bool = True) -> None:
+    def __init__(self, choices: Choices, kinds: Mapping[str, str]) -> None:
         super().__init__(kinds)
         self._choices = choices
-        self.fine = fine
         self.seconds = 0.0
         self._wire: list[_Call] = []
         self._turns = 0
@@ -338,7 +336,7 @@ class Run(ArmWorld):
         """What may happen, first what comes without a choice."""
         self._holds = []
         if timeout == 0:  # the loop has something to do
-            return [_nothing, *self._acts(), *(self._answers(held=False) if self.fine else [])]
+            return [_nothing, *self._acts(), *self._answers(held=False)]
         prompt = [*self._serves(held=False), *self._answers(held=False)]
         held = [*self._serves(held=True), *self._answers(held=True)]
         events: list[Callable[[], object]] = [*prompt, *self._acts()]
