@@ -25,7 +25,7 @@ GOES_ON = 2.0
 ALONE = {"shutdown", "restart"}
 NAMES = sorted({case.name for case in cases()})
 #: functions in a test: an arm is made once for them
-PARTS = [NAMES[first : first + 12] for first in range(0, len(NAMES), 12)]
+PARTS = [NAMES[first : first + 36] for first in range(0, len(NAMES), 36)]
 
 TIMED: dict[str, Callable[[aioduco.Robot], Any]] = {
     "movej2": lambda robot: robot.motion.movej2([0.3, 0.1, 1.4, 0.1, -1.5, 0.2], v=2.0, a=8.0),
@@ -93,6 +93,7 @@ async def outcome(
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(400)
 @pytest.mark.parametrize("names", PARTS, ids=lambda names: f"{names[0]} to {names[-1]}")
 async def test_each_function_ends_alike(names: list[str]) -> None:
     ends: list[dict[str, str]] = []
