@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from PIL import Image
 
-from aioduco.cli.demo.planned import SIDE, A, V, obstacle
+from aioduco.cli.demo_plan import SIDE, A, V, obstacle
 from aioduco.kinematics import arm as arm_of
 from aioduco.kinematics import models
 from aioduco.models.pose import Joints, Pose

@@ -18,7 +18,7 @@ import anyio
 import anyio.to_thread
 
 import aioduco
-from aioduco.cli.demo.script import GRIPPER_NAME, Choreography, scene
+from aioduco.cli.demo_run import GRIPPER_NAME, Choreography, scene
 from aioduco.cli.picture import save
 from aioduco.devices.grippers import DigitalGripper
 from aioduco.kinematics import arm as arm_of

@@ -32,8 +32,7 @@ import aioduco.sync
 from aioduco._wire import idl
 from aioduco.cli.app import app
 from aioduco.cli.call import function_of
-from aioduco.cli.demo.run import LEFT
-from aioduco.cli.demo.script import Choreography
+from aioduco.cli.demo_run import LEFT, Choreography
 from aioduco.cli.exit_codes import ended_by_errors, write_file
 from aioduco.cli.sim_do import control_port_of
 from aioduco.compat import DucoCobot
@@ -263,7 +262,7 @@ import importlib.abc, sys, threading
 import anyio, anyio.abc, anyio._core._signals
 import aioduco
 from aioduco.cli.app import app
-from aioduco.cli.demo import run
+from aioduco.cli import demo_run as run
 
 # A busy machine takes its time over a beat.
 defaults = aioduco.connect.__kwdefaults__
@@ -353,10 +352,10 @@ def test_demo_runs_on_another_arm_once_that_is_confirmed() -> None:
 def test_demo_is_slower_on_an_arm_that_it_did_not_make(monkeypatch: pytest.MonkeyPatch) -> None:
     plans: list[Choreography] = []
 
-    async def perform(robot: aioduco.Robot, plan: Choreography, *rest: object) -> None:
+    async def perform(robot: aioduco.Robot, plan: Choreography, shown: object) -> None:
         plans.append(plan)
 
-    monkeypatch.setattr("aioduco.cli.demo.run.perform", perform)
+    monkeypatch.setattr("aioduco.cli.demo_run.perform", perform)
     run("demo", "--no-plot")
     run("demo", "--host", "192.0.2.1", "--yes", "--no-plot")
     simulated, careful = plans

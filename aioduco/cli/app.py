@@ -13,7 +13,7 @@ from aioduco.cli.calibrate import calibrate
 from aioduco.cli.call import call
 from aioduco.cli.check import check
 from aioduco.cli.completion import completion
-from aioduco.cli.demo.command import demo
+from aioduco.cli.demo import demo
 from aioduco.cli.doctor import doctor
 from aioduco.cli.export import export
 from aioduco.cli.fleet import fleet

@@ -12,9 +12,10 @@ from aioduco.cli.addresses import CellFile, Port, RobotAddress, robot_at
 from aioduco.cli.cell_file import is_cell, load_cell
 from aioduco.cli.exit_codes import ended_by_errors, write_file, writing
 from aioduco.cli.options import numbers, refuse_unused, require_writable
-from aioduco.cli.output import plain, say
+from aioduco.cli.output import say
 from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.status import look
+from aioduco.models.numpy_on_use import json_value
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -171,7 +172,7 @@ def _controller(
     if bundle is not None:
         from aioduco.testing.conformance.bundle import write_bundle  # noqa: PLC0415 - for this alone
 
-        found = plain(look(address))
+        found = json_value(look(address))
         with writing(bundle):
             write_bundle(bundle, report, found, ids=ids)
         say(f"written to {bundle}; read it before you send it")

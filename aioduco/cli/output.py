@@ -7,18 +7,17 @@ printed: by `say`, by `SafeConsole`, and, after `guard_streams`, in log messages
 
 from __future__ import annotations
 
-import dataclasses
-import enum
 import errno
 import io
 import json
 import logging
-import math
 import os
 import sys
 import unicodedata
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any, Final
+
+from aioduco.models.numpy_on_use import json_value
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -189,32 +188,6 @@ def _say_traceback(
     say("".join(traceback.format_exception(kind, error, where)).rstrip("\n"), error=True)
 
 
-def plain(value: Any) -> Any:
-    """A result in the types of JSON; NaN and infinities become None."""
-    if isinstance(value, enum.Enum):
-        return value.name
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if isinstance(value, str | int | bool | None):
-        return value
-    return _parts(value)
-
-
-def _parts(value: Any) -> Any:
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        names = [field.name for field in dataclasses.fields(value)]
-        return {name: plain(getattr(value, name)) for name in names}
-    if callable(
-        tolist := getattr(value, "tolist", None)
-    ):  # a NumPy value; NumPy is not loaded here
-        return plain(tolist())
-    if isinstance(value, dict):
-        return {str(key): plain(each) for key, each in value.items()}
-    if isinstance(value, list | tuple | set | frozenset):
-        return [plain(each) for each in value]
-    return str(value)
-
-
 def print_json(value: Any) -> None:
     """Print a result as one line of JSON."""
-    say(json.dumps(plain(value), allow_nan=False))
+    say(json.dumps(json_value(value), allow_nan=False))

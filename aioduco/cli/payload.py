@@ -15,7 +15,7 @@ from aioduco.cli.exit_codes import USAGE, ended_by_errors, fail
 from aioduco.cli.extras import arm as arm_named
 from aioduco.cli.options import Json, Mounting, Yes, wrong_option
 from aioduco.cli.output import print_json, say
-from aioduco.cli.questions import SAFE, ask, typed_line
+from aioduco.cli.questions import GIVES_WAY, SAFE, ask, typed_line
 from aioduco.cli.sessions import control_session
 
 if TYPE_CHECKING:
@@ -120,10 +120,7 @@ def payload(
     if cell is not None:
         kept = load_cell(cell)
     if file is None:
-        what = (
-            f"The arm at {address} will give way to a hand. With a load that its controller does "
-            "not know of, it sinks or rises by itself. Hold it."
-        )
+        what = GIVES_WAY.format(address)
     else:
         around = (
             "The ways are checked against the scene of the cell"

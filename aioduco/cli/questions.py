@@ -13,6 +13,13 @@ SAFE = (
 )
 
 
+#: what a person must know before an arm is guided by hand
+GIVES_WAY = (
+    "The arm at {} will give way to a hand. With a load or tool that its controller does not know "
+    "of, it sinks or rises by itself. Hold it."
+)
+
+
 def ask(what: str, question: str, *, yes: bool) -> None:
     """Print what is about to happen, and continue only if the user confirms it.
 

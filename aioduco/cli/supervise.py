@@ -13,9 +13,10 @@ from aioduco.cli.addresses import CellFile, Host, Port, RobotAddress, robot_at
 from aioduco.cli.command_terms import in_commands
 from aioduco.cli.exit_codes import fail, say_error
 from aioduco.cli.options import Yes
-from aioduco.cli.output import plain, print_json, say
+from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.sessions import observing_session
+from aioduco.models.numpy_on_use import json_value
 
 if TYPE_CHECKING:
     from aioduco import RecoverReport
@@ -143,7 +144,7 @@ def resume(
 def _ready(address: RobotAddress, report: RecoverReport, as_json: bool) -> None:
     """Print the states of an arm that can move, and what to do before forces are measured."""
     if as_json:
-        print_json(plain(report.states) | {"advice": in_commands(report.advice)})
+        print_json(json_value(report.states) | {"advice": in_commands(report.advice)})
     else:
         say(f"{address}: ready; {report.states}")
     if report.advice:

@@ -12,7 +12,7 @@ from aioduco.cli.cell_file import load_cell
 from aioduco.cli.exit_codes import say_error
 from aioduco.cli.options import Guide, refuse_unused, require_writable
 from aioduco.cli.output import say
-from aioduco.cli.questions import ask
+from aioduco.cli.questions import GIVES_WAY, ask
 from aioduco.cli.sessions import control_session, observing_session
 from aioduco.cli.status import degrees, pose_line
 
@@ -63,11 +63,7 @@ def teach(
         if not guide:
             _keep(robot, store)
             return
-    text = (
-        f"The arm at {address} will give way to a hand. With a load or tool that its controller "
-        "does not know of, it sinks or rises by itself. Hold it."
-    )
-    ask(text, "Let it give way?", yes=yes)
+    ask(GIVES_WAY.format(address), "Let it give way?", yes=yes)
     # A person may take any time: hand guiding must not stop because no call is made.
     with control_session(address, hold_limit=None) as robot:
         robot.bring_up()

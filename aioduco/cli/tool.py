@@ -11,7 +11,7 @@ from aioduco.cli.addresses import CellFile, Host, Port, robot_at
 from aioduco.cli.exit_codes import ended_by_errors, fail, say_error
 from aioduco.cli.options import Guide, Json, Yes, refuse_unused
 from aioduco.cli.output import print_json, say
-from aioduco.cli.questions import ask, typed_line
+from aioduco.cli.questions import GIVES_WAY, ask, typed_line
 from aioduco.cli.sessions import control_session, observing_session
 from aioduco.cli.status import pose_line
 
@@ -79,12 +79,7 @@ def touch(
     address = robot_at(host, port, cell)
     say(_HOW.format(count=touches), error=True)
     if guide:
-        ask(
-            f"The arm at {address} will give way to a hand. With a load or tool that its "
-            "controller does not know of, it sinks or rises by itself. Hold it.",
-            "Let it give way?",
-            yes=yes,
-        )
+        ask(GIVES_WAY.format(address), "Let it give way?", yes=yes)
         # A person may take any time: hand guiding must not stop because no call is made.
         with control_session(address, hold_limit=None) as robot:
             robot.bring_up()

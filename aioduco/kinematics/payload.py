@@ -17,6 +17,7 @@ from aioduco.kinematics.measured import bound, rigid_frames
 from aioduco.kinematics.mounting import GRAVITY
 from aioduco.models.load import Load
 from aioduco.models.numpy_on_use import number_array
+from aioduco.models.rotation import Array, crossing
 from aioduco.models.rules import Number, Vector, VectorLike
 
 if TYPE_CHECKING:
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
 
     from aioduco.kinematics.arm import Arm
     from aioduco.models.pose import JointsLike, PoseLike
-    from aioduco.models.rotation import Array
 
 
 MIN_POSES = 6
@@ -88,7 +88,7 @@ def identify_load_by_forces(
     down = np.swapaxes(hands[:, :3, :3], 1, 2) @ _acceleration(gravity)
     _check_tilts(down)
     forces, torques = _centred(read[:, :3]), _centred(read[:, 3:])
-    weights, levers = _centred(down), _centred(-_crossing(down))
+    weights, levers = _centred(down), _centred(-crossing(down))
     mass, mass_spread, _ = _solved(weights.reshape(-1, 1), forces.ravel(), 3 * count - 4)
     moment, moment_spread, errors = _solved(levers.reshape(-1, 3), torques.ravel(), 3 * count - 6)
     spread = np.zeros((4, 4))
@@ -137,7 +137,7 @@ def identify_load_by_torques(
     model = arm_given("arm", arm)
     moves = np.swapaxes(model.jacobian(q), 1, 2)
     turns = model.fkine(q)[:, :3, :3]
-    levers = -_crossing(down) @ turns
+    levers = -crossing(down) @ turns
     by_mass, by_moment = moves[:, :, :3] @ down, moves[:, :, 3:] @ levers
     slopes = _centred(np.concatenate([by_mass[:, :, None], by_moment], axis=2))
     scaled = slopes.reshape(-1, 4) * (1.0, _ARM, _ARM, _ARM) / np.sqrt(count)
@@ -209,14 +209,6 @@ def _centred(values: Array) -> Array:
     """Differences from the mean over the poses: they do without the sensor's constant error."""
     found: Array = values - values.mean(axis=0)
     return found
-
-
-def _crossing(vectors: Array) -> Array:
-    """Matrices of the cross product with vectors. Shape (..., 3, 3)."""
-    x, y, z = np.moveaxis(vectors, -1, 0)
-    none = np.zeros_like(x)
-    rows = ((none, -z, y), (z, none, -x), (-y, x, none))
-    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
 
 
 def _acceleration(gravity: VectorLike) -> Array:

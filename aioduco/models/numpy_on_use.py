@@ -1,11 +1,14 @@
 """numpy, loaded when it is first used: opening a robot and stopping it needs none of it.
 
-Here is also told what of it is a number, and what is not.
+Here is also told what of it is a number, and what is not; and what a value is in JSON.
 """
 
 from __future__ import annotations
 
+import dataclasses
+import enum
 import importlib
+import math
 import numbers
 import sys
 from contextlib import suppress
@@ -31,7 +34,7 @@ else:
 #: what counts as a number: also those of numpy, and fractions
 _REAL: Any = numbers.Real
 
-__all__ = ["is_array", "is_number", "is_scalar", "np", "number_array", "plain"]
+__all__ = ["is_array", "is_number", "is_scalar", "json_value", "np", "number_array", "plain"]
 
 
 def is_array(value: object) -> TypeGuard[NDArray[Any]]:
@@ -52,6 +55,38 @@ def plain(value: object) -> Any:
     if not is_scalar(value):
         return value
     return None if value.dtype.kind in "mM" else value.item()
+
+
+def json_value(value: Any, *, recorded: bool = False) -> Any:
+    """A value in the types of JSON; a number that is not finite becomes None.
+
+    Args:
+        value: the value.
+        recorded: whether it is as in a recording, where named tuples have the names of their fields
+            and bytes are hexadecimal digits.
+    """
+    if isinstance(value, enum.Enum):
+        return value.name
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, str | bool | int | None):
+        return value
+    return _json_parts(value, recorded)
+
+
+def _json_parts(value: Any, recorded: bool) -> Any:
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        value = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
+    elif recorded and (named := getattr(value, "_asdict", None)) is not None:
+        value = named()
+    if isinstance(value, dict):
+        return {str(key): json_value(each, recorded=recorded) for key, each in value.items()}
+    if isinstance(value, list | tuple | set | frozenset):
+        return [json_value(each, recorded=recorded) for each in value]
+    if recorded and isinstance(value, bytes | bytearray):
+        return value.hex()
+    listed = getattr(value, "tolist", None)
+    return str(value) if listed is None else json_value(listed())
 
 
 def is_number(value: object) -> bool:

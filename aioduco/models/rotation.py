@@ -225,3 +225,11 @@ def quaternion_from_rpy(rx: float, ry: float, rz: float) -> tuple[float, float, 
         cx * sy * cz + sx * cy * sz,
         cx * cy * sz - sx * sy * cz,
     )
+
+
+def crossing(vectors: Array) -> Array:
+    """Return matrices of the cross product with vectors. Shape (..., 3) to (..., 3, 3)."""
+    x, y, z = np.moveaxis(vectors, -1, 0)
+    none = np.zeros_like(x)
+    rows = ((none, -z, y), (z, none, -x), (-y, x, none))
+    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))

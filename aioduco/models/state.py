@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from aioduco._process import trial
 from aioduco._process.copying import Frozen
 from aioduco.errors import ParameterError
+from aioduco.models.enums import SafetyState
 from aioduco.models.numpy_on_use import np
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState
+    from aioduco.models.enums import OperationMode, ProgramState, RobotState
     from aioduco.models.pose import Joints, Pose
 
 __all__ = [
@@ -28,11 +29,16 @@ __all__ = [
     "RobotStatus",
     "Sample",
     "Vector",
+    "alarm_of",
+    "standing",
     "vector",
     "vectors",
 ]
 
 Vector: TypeAlias = "NDArray[np.float64]"
+#: joint and tool speeds below which an arm counts as standing [rad/s, m/s]
+_STANDS = 1e-3
+_STOPS = (SafetyState.STOP0, SafetyState.STOP1, SafetyState.STOP2, SafetyState.FAIL)
 
 
 def vector(values: Sequence[float], length: int | None = 6) -> Vector:
@@ -273,3 +279,18 @@ def _numbered(num: int, signals: tuple[bool, ...]) -> bool:
     if not 1 <= num <= len(signals):
         raise ParameterError("num", num, f"from 1 to {len(signals)}")
     return signals[num - 1]
+
+
+def alarm_of(status: RobotStatus, states: RobotStates) -> str:
+    """What has stopped an arm, in capitals; empty if nothing has."""
+    if status.emergency_stop:
+        return "EMERGENCY STOP PRESSED"
+    if status.collision:
+        return f"COLLISION AT JOINT {status.collision_axis}"
+    return f"SAFETY {states.safety.name}" if states.safety in _STOPS else ""
+
+
+def standing(status: RobotStatus) -> bool:
+    """Whether the speeds of a sample, as far as they were sent, are those of an arm that stands."""
+    speeds = (*status.joint_speeds.tolist(), *status.tool_speed.tolist())
+    return all(math.isnan(speed) or abs(speed) < _STANDS for speed in speeds)

@@ -9,8 +9,6 @@ most of the data, are encoded here: the library's classes take three times as lo
 
 from __future__ import annotations
 
-import dataclasses
-import enum
 import json
 import math
 import struct
@@ -34,6 +32,7 @@ from foxglove.messages import (
 
 from aioduco._process import trial
 from aioduco._process.platform import private
+from aioduco.models.numpy_on_use import json_value
 from aioduco.models.rotation import quaternion_from_rpy
 
 if TYPE_CHECKING:
@@ -244,8 +243,8 @@ class MessageChannels:
         """Write a finished call, at the time of its start."""
         found = {
             "function": function,
-            "arguments": plain(arguments),
-            "result": plain(result),
+            "arguments": json_value(arguments, recorded=True),
+            "result": json_value(result, recorded=True),
             "error": error,
             "duration": round(duration, 6),
             "lane": lane,
@@ -254,11 +253,11 @@ class MessageChannels:
 
     def other(self, topic: str, at: float, values: dict[str, Any]) -> None:
         """Write a message of one of the channels in JSON."""
-        self._json(topic, at, plain(values))
+        self._json(topic, at, json_value(values, recorded=True))
 
     def event(self, event: Event) -> None:
         """Write an event of the robot."""
-        what = plain(event)
+        what = json_value(event, recorded=True)
         del what["at"]
         self._json("/events", trial.wall(event.at), {"event": type(event).__name__, "what": what})
 
@@ -539,29 +538,3 @@ def _transform(
         translation=Vector3(x=x, y=y, z=z),
         rotation=Quaternion(x=qx, y=qy, z=qz, w=qw),
     )
-
-
-def plain(value: Any) -> Any:
-    """Convert a value to the types of JSON; a number that is not finite becomes None."""
-    if isinstance(value, enum.Enum):
-        return value.name
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if isinstance(value, str | bool | int | None):
-        return value
-    return _plain_parts(value)
-
-
-def _plain_parts(value: Any) -> Any:
-    if dataclasses.is_dataclass(value):
-        value = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
-    elif (named := getattr(value, "_asdict", None)) is not None:
-        value = named()
-    if isinstance(value, dict):
-        return {str(key): plain(each) for key, each in value.items()}
-    if isinstance(value, list | tuple | set | frozenset):
-        return [plain(each) for each in value]
-    if isinstance(value, bytes | bytearray):
-        return value.hex()
-    listed = getattr(value, "tolist", None)
-    return str(value) if listed is None else plain(listed())

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure, FigureBase
     from numpy.typing import NDArray
 
 
@@ -162,16 +162,50 @@ def drawn(run: RecordedRun, other: RecordedRun | None = None) -> Figure:
     """Draw a recording as a figure of matplotlib; arguments and errors as for `draw_png`."""
     with MissingExtra.named("a picture", "plot"):
         from matplotlib.figure import Figure  # noqa: PLC0415 - only when a PNG is drawn
-    shown, happened = panels(run, other), marks(run)
+    shown = panels(run, other)
     figure = Figure(figsize=(11, 2.2 * len(shown) + 2.0), layout="constrained")
     # `parse_math`: "$" in a file's name is no formula
     figure.suptitle(_title(run, other), fontsize="medium", parse_math=False)
+    draw_panels(figure, shown, marks(run), run.duration)
+    return figure
+
+
+def joint_panel(
+    title: str, times: NDArray[Any], values: NDArray[Any], other: NDArray[Any] | None = None
+) -> DrawnPanel:
+    """A panel of angles of the joints [rad], shape (n, 6), with others dashed over them."""
+    curves = [
+        DrawnCurve(name, colour, number == 1, times, _DEGREE * each[:, index])
+        for number, each in enumerate((values, other))
+        if each is not None
+        for index, (name, colour) in enumerate(zip(_JOINTS, _COLOURS, strict=True))
+    ]
+    return DrawnPanel(title, "°", curves)
+
+
+def draw_panels(
+    figure: FigureBase,
+    shown: Sequence[DrawnPanel],
+    happened: Sequence[tuple[float, str]],
+    length: float,
+    named: str = "commands and events: grey lines",
+) -> None:
+    """Draw panels below each other, and above them a strip that names the grey lines.
+
+    Args:
+        figure: where they are drawn.
+        shown: the panels.
+        happened: times and texts of the grey lines.
+        length: the longest time [s].
+        named: title of the strip.
+    """
     heights = [*([0.55] if happened else []), *[1.0] * len(shown)]
     axes = figure.subplots(
         len(heights), 1, sharex=True, squeeze=False, height_ratios=heights
     )[:, 0]  # fmt: skip
     if happened:
-        _draw_marks(axes[0], happened, run.duration)
+        axes[0].set_title(named, fontsize="medium", loc="left")
+        _draw_marks(axes[0], happened, length)
         axes = axes[1:]
     for axis, panel in zip(axes, shown, strict=True):
         for curve in panel.curves:
@@ -194,12 +228,10 @@ def drawn(run: RecordedRun, other: RecordedRun | None = None) -> Figure:
             loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0,
         )  # fmt: skip
     axes[-1].set_xlabel("s")
-    return figure
 
 
 def _draw_marks(axis: Any, happened: Sequence[tuple[float, str]], length: float) -> None:
     """Draw the strip above the panels that names the grey lines."""
-    axis.set_title("commands and events: grey lines", fontsize="medium", loc="left")
     axis.set_yticks([])
     axis.spines[["top", "left", "right"]].set_visible(False)
     for at, _ in happened:

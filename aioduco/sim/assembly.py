@@ -260,7 +260,7 @@ def _controller(settings: SimulatorSettings) -> Controller:
     controller.program_lag = settings.program_lag
     controller.heartbeat.slack = settings.heartbeat_slack
     times = settings.profile.values.get("times", {})
-    controller.power_times.update({name: found.value for name, found in times.items()})
+    controller.power.times.update({name: found.value for name, found in times.items()})
     controller.rules = settings.rules
     controller.external_axes = settings.external_axes
     tried = trial.current

@@ -103,7 +103,7 @@ class PlanningThreads:
             while self._commands and time.perf_counter() < until:
                 time.sleep(_YIELD_SLEEP)
             self._worked_from = time.perf_counter()
-        if self._closing or self._controller.planning is not self._current:
+        if self._closing or self._controller.motion.planning is not self._current:
             raise PlanDropped
         if time.perf_counter() - self._worked_from >= _YIELD_INTERVAL:
             time.sleep(_YIELD_SLEEP)
@@ -114,9 +114,9 @@ class PlanningThreads:
         while not self._closing:
             with self._plans:
                 with self._lock:
-                    if id_ is not None and not self._controller.awaits_plan(id_):
+                    if id_ is not None and not self._controller.motion.awaits_plan(id_):
                         return
-                    current = self._current = self._controller.next_plan()
+                    current = self._current = self._controller.motion.next_plan()
                 if current is None:
                     return
                 self._worked_from = time.perf_counter()

@@ -518,7 +518,7 @@ class SimulationRuntime(PlantChanges):
             return True
         if self._controller.unplanned is not None:
             return True  # else a caller would wait for many cycles, which compete with the planning
-        return bool(self._waiters) and self._controller.time_left < self._batches.longest
+        return bool(self._waiters) and self._controller.motion.time_left < self._batches.longest
 
     def _change_plant(self) -> None:
         """Make the changes since the last cycle, the brakes' included."""

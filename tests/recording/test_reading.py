@@ -17,9 +17,10 @@ from pyarrow import parquet
 
 import aioduco
 import aioduco.sync
+from aioduco.models.numpy_on_use import json_value
 from aioduco.models.pose import Pose
 from aioduco.recording import RecordedRun, read
-from aioduco.recording.channels import ANGLE, LENGTH, QUATERNION, SPEED, plain
+from aioduco.recording.channels import ANGLE, LENGTH, QUATERNION, SPEED
 from aioduco.recording.container import CHANNEL, CHUNK, DATA_END, MAGIC, MESSAGE, METADATA, SCHEMA
 from aioduco.sim import Simulator
 from recording.mcap_records import channel, decoded, message, record, text
@@ -311,7 +312,10 @@ def test_an_index_is_added_and_nothing_else(whole: Path, run: RecordedRun, tmp_p
 
 
 def test_values_become_what_json_knows() -> None:
-    found = plain({"a": (1, float("nan")), 2: b"\x01", "x": np.array([1.0]), "p": Pose(*[0.0] * 6)})
+    found = json_value(
+        {"a": (1, float("nan")), 2: b"\x01", "x": np.array([1.0]), "p": Pose(*[0.0] * 6)},
+        recorded=True,
+    )
     assert found["a"] == [1, None]
     assert found["2"] == "01"
     assert found["x"] == [1.0]

@@ -254,7 +254,7 @@ class Bench:
     def power(self, *changes: str) -> Bench:
         """Change the power so, one change after the other."""
         for name in changes:
-            assert self.ended(self.controller.change_power(name)) == 4
+            assert self.ended(self.controller.power.request(name)) == 4
         return self
 
     def enabled(self) -> Bench:

@@ -31,14 +31,14 @@ def state(bench: Bench, id_: int) -> TaskState:
 def test_power_on_and_enable_go_through_the_states_of_the_manual(bench: Bench) -> None:
     seen = [bench.state]
     for name in ("power_on", "enable"):
-        id_ = bench.controller.change_power(name)
+        id_ = bench.controller.power.request(name)
         assert bench.ended(id_) == 4
         seen.append(bench.state)
     assert seen == [[4, 0, 4, 1], [5, 0, 5, 1], [6, 0, 5, 1]]
 
 
 def test_changes_wait_for_each_other(bench: Bench) -> None:
-    ids = [bench.controller.change_power(name) for name in ("power_on", "enable", "disable")]
+    ids = [bench.controller.power.request(name) for name in ("power_on", "enable", "disable")]
     assert [bench.ended(id_) for id_ in ids] == [4, 4, 4]
     assert bench.state == [5, 0, 5, 1]
 
@@ -52,12 +52,12 @@ def test_what_is_done_already_is_finished_at_once(ready: Bench) -> None:
 
 @pytest.mark.parametrize("name", ["enable", "disable"])
 def test_without_power_there_is_nothing_to_enable(bench: Bench, name: str) -> None:
-    assert bench.ended(bench.controller.change_power(name)) == 7
+    assert bench.ended(bench.controller.power.request(name)) == 7
 
 
 def test_the_brakes_are_on_until_the_robot_is_enabled(bench: Bench) -> None:
-    bench.controller.change_power("power_on")
-    id_ = bench.controller.change_power("enable")
+    bench.controller.power.request("power_on")
+    id_ = bench.controller.power.request("enable")
     brakes = []
 
     def note() -> bool:
@@ -74,7 +74,7 @@ def test_the_brakes_are_on_until_the_robot_is_enabled(bench: Bench) -> None:
 def test_disable_stops_what_moves_before_the_brakes_fall(ready: Bench) -> None:
     move = ready.controller.move("movej2", leg(1.0, 1000))
     ready.tick(100)
-    disable = ready.controller.change_power("disable")
+    disable = ready.controller.power.request("disable")
     ready.until(lambda: state(ready, move).ended)
     assert state(ready, move) is TaskState.STOPPED
     assert ready.state[0] == 6
@@ -85,7 +85,7 @@ def test_disable_stops_what_moves_before_the_brakes_fall(ready: Bench) -> None:
 
 
 def test_shutdown_halts_without_power(ready: Bench) -> None:
-    id_ = ready.controller.change_power("shutdown")
+    id_ = ready.controller.power.request("shutdown")
     ready.tick(10)
     halted = [ready.controller.halted]
     assert ready.ended(id_) == 4
@@ -99,14 +99,14 @@ def test_how_long_changes_of_power_take(bench: Bench) -> None:
     times = {}
     for name in ("power_on", "enable", "disable", "power_off", "restart"):
         begin = bench.time
-        assert bench.ended(bench.controller.change_power(name)) == 4
+        assert bench.ended(bench.controller.power.request(name)) == 4
         times[name] = bench.time - begin
     usual = {"power_on": 0.5, "enable": 0.3, "disable": 0.1, "power_off": 0.2, "restart": 1.7}
     assert times == pytest.approx(usual, abs=0.005)
 
 
 def test_restart_starts_and_initialises_and_ends_without_power(ready: Bench) -> None:
-    id_ = ready.controller.change_power("restart")
+    id_ = ready.controller.power.request("restart")
     seen: list[int] = []
 
     def note() -> bool:
@@ -155,7 +155,7 @@ def test_who_waits_for_a_motion_that_may_blend_is_answered_in_time(ready: Bench)
     first = move()
     ready.until(lambda: tasks.answer(first).ended)
     assert (tasks.answer(first), state(ready, first)) == (TaskState.INTERRUPT, TaskState.RUNNING)
-    assert controller.progress == pytest.approx(0.5)
+    assert controller.motion.progress == pytest.approx(0.5)
     second = move(blends=False)
     assert (ready.ended(first), ready.ended(second)) == (5, 4)
     assert tasks.answer(second) is TaskState.FINISHED
@@ -249,9 +249,9 @@ def test_stop_is_accepted_in_every_state(bench: Bench) -> None:
     bench.controller.press_emergency_stop()
     stops()
     bench.controller.release_emergency_stop()
-    bench.controller.change_power("power_off")
+    bench.controller.power.request("power_off")
     for name in ("power_on", "enable"):
-        id_ = bench.controller.change_power(name)
+        id_ = bench.controller.power.request(name)
         bench.tick(10)
         stops()
         assert bench.ended(id_) == 4
@@ -264,7 +264,7 @@ def test_stop_is_accepted_in_every_state(bench: Bench) -> None:
 
 
 def test_stop_drops_the_changes_of_power_that_wait(bench: Bench) -> None:
-    on, enable = (bench.controller.change_power(name) for name in ("power_on", "enable"))
+    on, enable = (bench.controller.power.request(name) for name in ("power_on", "enable"))
     bench.tick()
     bench.controller.stop()
     assert state(bench, enable) is TaskState.STOPPED
@@ -299,7 +299,7 @@ def test_a_motion_that_waits_for_a_stop_ends_by_the_next_one(
     after = ready.controller.move("movej2", leg(1.0))
     ready.tick()
     act = getattr(ready.controller, end, None)
-    act() if act else ready.controller.change_power(end)
+    act() if act else ready.controller.power.request(end)
     assert ready.ended(after) == state_
     at = ready.q.copy()
     ready.tick(300)
@@ -417,7 +417,7 @@ def test_the_emergency_stop_cuts_the_power_at_once(ready: Bench) -> None:
 
 def test_power_comes_back_only_after_release_and_power_off(ready: Bench) -> None:
     ready.controller.press_emergency_stop()
-    change = ready.controller.change_power
+    change = ready.controller.power.request
     assert ready.ended(change("power_on")) == 7
     assert ready.ended(change("power_off")) == 4
     assert ready.ended(change("power_on")) == 7
@@ -436,7 +436,7 @@ def test_power_comes_back_only_after_release_and_power_off(ready: Bench) -> None
 def test_the_emergency_stop_ends_a_change_that_was_to_end_with_power(name: str) -> None:
     bench = Bench()
     bench.power(*{"power_on": [], "enable": ["power_on"], "disable": ["power_on", "enable"]}[name])
-    id_ = bench.controller.change_power(name)
+    id_ = bench.controller.power.request(name)
     bench.tick(5)
     bench.controller.press_emergency_stop()
     assert state(bench, id_) is TaskState.ERROR

@@ -24,7 +24,7 @@ class Commands(RuleBasedStateMachine):
 
     @rule(name=st.sampled_from(POWER), wait=st.booleans())
     def power(self, name: str, wait: bool) -> None:
-        id_ = self.controller.change_power(name)
+        id_ = self.controller.power.request(name)
         if wait:
             self.bench.ended(id_)
 

@@ -261,7 +261,7 @@ def state(bench: Bench, id_: int) -> TaskState:
 
 
 def begin(bench: Bench) -> Planning:
-    planning = bench.controller.next_plan()
+    planning = bench.controller.motion.next_plan()
     assert planning is not None
     return planning
 
@@ -285,7 +285,7 @@ def test_a_motion_waits_until_it_is_planned(bench: Bench) -> None:
     planning = begin(bench)
     bench.tick(10)
     finish(bench, planning)
-    assert not bench.controller.awaits_plan(id_)
+    assert not bench.controller.motion.awaits_plan(id_)
     assert bench.ended(id_) == TaskState.FINISHED
     np.testing.assert_allclose(bench.q, 1.0)
 
@@ -297,7 +297,7 @@ def test_what_ends_a_queued_motion_ends_one_that_is_planned(bench: Bench, begun:
         planning = begin(bench) if begun else None
         how()
         assert bench.controller.unplanned is None
-        assert bench.controller.planning is None
+        assert bench.controller.motion.planning is None
         if planning is not None:
             finish(bench, planning)  # too late
         bench.tick(10)
@@ -319,7 +319,7 @@ def test_what_is_behind_one_that_cannot_be_planned_goes_with_it(bench: Bench) ->
         TaskState.INTERRUPT,
         TaskState.INTERRUPT,
     ]
-    assert bench.controller.next_plan() is None
+    assert bench.controller.motion.next_plan() is None
     assert bench.controller.view().errors
 
 

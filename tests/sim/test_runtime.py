@@ -106,7 +106,7 @@ def give(runtime: SimulationRuntime) -> None:
 def enable(runtime: SimulationRuntime) -> None:
     for name in ("power_on", "enable"):
         with runtime.command() as controller:
-            id_ = controller.change_power(name)
+            id_ = controller.power.request(name)
         assert runtime.wait(id_) == 4
 
 
@@ -406,7 +406,7 @@ def test_a_task_has_ended_only_when_its_snapshot_is_there(
     stand_in = SimpleNamespace(sleep=look, monotonic=time.monotonic)
     monkeypatch.setattr(module, "time", stand_in)
     with runtime.command() as controller:
-        id_ = controller.change_power("power_on")
+        id_ = controller.power.request("power_on")
         state = runtime.task_state(id_)
         assert len(looks) == 1
     assert runtime.task_state(id_) is state

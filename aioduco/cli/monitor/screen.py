@@ -62,7 +62,7 @@ def screen(state: MonitorState, width: int, height: int) -> RenderableType:
         signals = _signals(state.sample, width)
         needed = _ARM_LINES + 1 + len(signals)
         if room >= needed + 2:  # with a blank line and an event
-            lines += [_arm(state, state.sample, width), Text(""), *signals]
+            lines += [arm_table(state, state.sample, width), Text(""), *signals]
             room -= needed
     if height >= _TALL:
         drawn = _last_minute(state, width)
@@ -113,7 +113,8 @@ def _doing(state: MonitorState) -> Text:
     return Text(f"{state.doing}{speed}", **_ONE_LINE)
 
 
-def _arm(state: MonitorState, sample: Snapshot, width: int) -> Table:
+def arm_table(state: MonitorState, sample: Snapshot, width: int) -> Table:
+    """Joints and tool of a sample, in a terminal of `width` columns."""
     status, forces = sample.status, sample.read_forces
     wide = width >= _WIDE
     length = max(width - (_MORE_COLUMNS if wide else _COLUMNS), _LEAST_BAR)

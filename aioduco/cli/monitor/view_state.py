@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 from aioduco.kinematics.arm import POSITION_LIMIT
-from aioduco.models.enums import ProgramState, SafetyState
+from aioduco.models.enums import ProgramState
+from aioduco.models.state import alarm_of, standing
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -15,11 +16,8 @@ if TYPE_CHECKING:
     from aioduco.supervision.state_feed import Snapshot
 
 
-#: joint and tool speeds below which an arm counts as standing [rad/s, m/s]
-_STANDS: Final = 1e-3
 #: seconds without a sample after which the screen says that the controller does not answer
 _SILENT: Final = 1.0
-_STOPS: Final = (SafetyState.STOP0, SafetyState.STOP1, SafetyState.STOP2, SafetyState.FAIL)
 
 #: severity of an event: "info", "good", "warning" or "alarm"
 Severity = str
@@ -98,14 +96,7 @@ class MonitorState:
             return ""
         if self.silent:
             return f"NO ANSWER FOR {self.age:.0f} s: WHAT IS SHOWN IS OLD"
-        status, states = self.sample.status, self.sample.states
-        if status.emergency_stop:
-            return "EMERGENCY STOP PRESSED"
-        if status.collision:
-            return f"COLLISION AT JOINT {status.collision_axis}"
-        if states.safety in _STOPS:
-            return f"SAFETY {states.safety.name}"
-        return ""
+        return alarm_of(self.sample.status, self.sample.states)
 
     @property
     def doing(self) -> str:
@@ -113,7 +104,7 @@ class MonitorState:
         if self.sample is None:
             return "waiting for the first answer"
         program = self.sample.states.program
-        motion = "standing" if standing(self.sample) else "moving"
+        motion = "standing" if standing(self.sample.status) else "moving"
         running = program not in {ProgramState.STOPPED}
         task = f"task {program.name}" if running else "no task"
         return ", ".join((motion, task, *((f"project {self.project}",) if self.project else ())))
@@ -128,10 +119,3 @@ def history_point(sample: Snapshot) -> tuple[float, float, float]:
         for told, actual in zip(status.expected_joints, status.joints, strict=True)
     )
     return math.hypot(*status.tool_speed.tolist()[:3]) * 1e3, force, math.degrees(behind)
-
-
-def standing(sample: Snapshot) -> bool:
-    """Whether the speeds of a sample are those of an arm that stands."""
-    status = sample.status
-    speeds = (*status.joint_speeds.tolist(), *status.tool_speed.tolist())
-    return all(math.isnan(speed) or abs(speed) < _STANDS for speed in speeds)

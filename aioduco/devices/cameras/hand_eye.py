@@ -16,7 +16,7 @@ import numpy as np
 
 from aioduco.errors import CalibrationError, Described, ParameterError
 from aioduco.kinematics.measured import bound, nearest_rotation, rigid_frames
-from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix, transform
+from aioduco.models.rotation import crossing, matrix_from_rotvec, rotvec_from_matrix, transform
 from aioduco.models.words import one_of
 
 if TYPE_CHECKING:
@@ -168,7 +168,7 @@ def _fitted(
     # Derivatives of each view's error by a small motion of the camera, and of the board.
     slopes = np.zeros((count, 6, 12))
     slopes[:, :3, :3] = slopes[:, 3:, 3:6] = back
-    slopes[:, 3:, :3] = -back @ _crossing(away)
+    slopes[:, 3:, :3] = -back @ crossing(away)
     slopes[:, :, 6:] = -np.eye(6)
     scaled, weighed, inverse = slopes, np.zeros((count, 6)), np.eye(12)
     for _ in range(_STEPS):
@@ -197,11 +197,3 @@ def _errors(moved: Matrix, seen: Matrix, camera: Matrix, board: Matrix) -> Matri
 
 def _small(step: Matrix) -> Matrix:
     return transform(matrix_from_rotvec(step[:3]), step[3:])
-
-
-def _crossing(vectors: Matrix) -> Matrix:
-    """Matrices of the cross product with vectors. Shape (n, 3, 3)."""
-    x, y, z = vectors.T
-    none = np.zeros_like(x)
-    rows = ((none, -z, y), (z, none, -x), (-y, x, none))
-    return np.moveaxis(np.array(rows), 2, 0)

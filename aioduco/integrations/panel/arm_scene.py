@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 import viser
-from viser import transforms
 
 from aioduco.envelope import Envelope, Zone
 from aioduco.integrations.panel.picture_door import portless
 from aioduco.kinematics.bodies import bodies
 from aioduco.kinematics.looks import COLOURS, looks, merged
+from aioduco.models.rotation import quaternion_from_matrix
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -99,7 +99,7 @@ class ArmScene:
         mounting = np.eye(4) if scene is None else np.asarray(scene.mounting.matrix)
         draw.add_frame(
             "/base", axes_length=0.16, axes_radius=0.004,
-            wxyz=_quaternion(mounting[:3, :3]), position=mounting[:3, 3],
+            wxyz=quaternion_from_matrix(mounting[:3, :3]), position=mounting[:3, 3],
         )  # fmt: skip
         self._turns = [np.asarray(body.rotation) for body in bodies(arm)[1:]]
         self._arms = {
@@ -156,7 +156,7 @@ class ArmScene:
         if joints is None or not shown:
             return
         for link, turn, angle in zip(links, self._turns, joints, strict=True):
-            link.wxyz = _quaternion(turn @ _about_z(angle))
+            link.wxyz = quaternion_from_matrix(turn @ _about_z(angle))
 
     def _add_arm(
         self, arm: Arm, which: str, colour: Colour | None, opacity: float | None
@@ -175,7 +175,7 @@ class ArmScene:
                         path,
                         show_axes=False,
                         position=body.position,
-                        wxyz=_quaternion(np.asarray(body.rotation)),
+                        wxyz=quaternion_from_matrix(np.asarray(body.rotation)),
                     )
                 )
             for name, (points, faces) in merged(shown[number]).items():
@@ -218,7 +218,7 @@ class ArmScene:
         turn = np.array(zone.turn).reshape(3, 3)
         if zone.shape == "plane":
             size, turn = (2.4, 2.4, 0.002), _towards(np.array(zone.size))
-        where: dict[str, Any] = {"position": zone.at, "wxyz": _quaternion(turn)}
+        where: dict[str, Any] = {"position": zone.at, "wxyz": quaternion_from_matrix(turn)}
         draw.add_box(path, dimensions=np.array(size), **look, **where)
         edge: dict[str, Any] = {"color": colour, "wireframe": True, "cast_shadow": False}
         draw.add_box(f"{path}/edges", dimensions=np.array(size), **edge)
@@ -236,11 +236,6 @@ def _placed(element: ET.Element) -> dict[str, Any]:
     """Pose of an MJCF element, in viser's arguments."""
     position, quaternion = _floats(element, "pos"), _floats(element, "quat")
     return {"position": position or (0.0, 0.0, 0.0), "wxyz": quaternion or (1.0, 0.0, 0.0, 0.0)}
-
-
-def _quaternion(rotation: Array) -> Array:
-    """A rotation as viser's quaternion: w, x, y, z. Shape (4,)."""
-    return np.asarray(transforms.SO3.from_matrix(rotation).wxyz, dtype=np.float64)
 
 
 def _about_z(angle: float) -> Array:

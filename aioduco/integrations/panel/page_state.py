@@ -6,9 +6,9 @@ Lengths are in metres and angles in radians; a value that the controller did not
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
-from aioduco import SafetyState
+from aioduco.models.state import alarm_of, standing
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -16,16 +16,10 @@ if TYPE_CHECKING:
     from aioduco import Snapshot
 
 
-#: joint and tool speeds below which an arm counts as standing [rad/s, m/s]
-_STANDS: Final = 1e-3
-_STOPS: Final = (SafetyState.STOP0, SafetyState.STOP1, SafetyState.STOP2, SafetyState.FAIL)
-
-
 def page_sample(sample: Snapshot) -> dict[str, Any]:
     """The message about a sample, sent many times a second."""
     status, io, states = sample.status, sample.io, sample.states
     forces = sample.read_forces
-    speeds = (*status.joint_speeds.tolist(), *status.tool_speed.tolist())
     return {
         "joints": _rounded(status.joints, 5),
         "told": _rounded(status.expected_joints, 5),
@@ -43,7 +37,7 @@ def page_sample(sample: Snapshot) -> dict[str, Any]:
         "program": states.program.name,
         "safety": states.safety.name,
         "mode": states.mode.name,
-        "moving": any(math.isfinite(speed) and abs(speed) >= _STANDS for speed in speeds),
+        "moving": not standing(status),
     }
 
 
@@ -59,14 +53,7 @@ def alarm_text(sample: Snapshot | None, silent_after: float, age: float) -> str:
         return "NO ANSWER FROM THE CONTROLLER YET"
     if age > silent_after:
         return f"NO ANSWER FROM THE CONTROLLER FOR {age:.0f} s: WHAT IS SHOWN IS OLD"
-    status, states = sample.status, sample.states
-    if status.emergency_stop:
-        return "EMERGENCY STOP PRESSED"
-    if status.collision:
-        return f"COLLISION AT JOINT {status.collision_axis}"
-    if states.safety in _STOPS:
-        return f"SAFETY {states.safety.name}"
-    return ""
+    return alarm_of(sample.status, sample.states)
 
 
 def history_point(told: dict[str, Any]) -> list[Any]:

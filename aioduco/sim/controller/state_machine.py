@@ -122,6 +122,8 @@ class Controller:
 
     Attributes:
         sensed: measurements of the arm in this cycle; of the simulated arm while there is one.
+        motion: the motions that run and wait.
+        power: changes between power off and enabled.
     """
 
     def __init__(self, mover: Callable[[Array], Mover], q: Array, force: ForceControl) -> None:
@@ -142,18 +144,18 @@ class Controller:
         self.program_lag: float = 0.0
         self.mode: OperationMode = OperationMode.AUTO
         self.halted: bool = False
-        self._power = PowerControl(self.tasks)
-        self._motion = MotionQueue(self.tasks, mover, q)
+        self.power: PowerControl = PowerControl(self.tasks)
+        self.motion: MotionQueue = MotionQueue(self.tasks, mover, q)
         self._execution = ProgramExecution(self.tasks)
         self.sensed: SensedState = SensedState(0.0, 0.0, q, _ZEROS, _ZEROS, _ZEROS)
         self._real = self.sensed
         self._simulation: _Simulation | None = None
         self._leaving: list[int] = []  # tasks that end once readers see the real arm again
-        self.force: ForceTasks = ForceTasks(self.tasks, self._motion, force, self.sensed)
+        self.force: ForceTasks = ForceTasks(self.tasks, self.motion, force, self.sensed)
         self._safety = SafetyController()
         self._deferred = DeferredMotions(self.tasks)
         self._admission = Admission(
-            self._power, self._safety, self._motion, self._execution, self._deferred
+            self.power, self._safety, self.motion, self._execution, self._deferred
         )
         self._at_rest = True
         self._standstill = Standstill()
@@ -169,18 +171,18 @@ class Controller:
     @property
     def safety(self) -> SafetyState:
         """State of the safety controller."""
-        return self._safety.state(self._power.state)
+        return self._safety.state(self.power.state)
 
     @property
     def program(self) -> ProgramState:
         """State of the program, or of all motions together."""
         manual = self.mode is OperationMode.MANUAL
-        return self._execution.state(self._motion.phase, manual=manual)
+        return self._execution.state(self.motion.phase, manual=manual)
 
     @property
     def moving(self) -> bool:
         """Whether the arm moves, or is going to move in the next cycle."""
-        return self._motion.moving or self.force.moving or not self._at_rest
+        return self.motion.moving or self.force.moving or not self._at_rest
 
     @property
     def in_motion(self) -> bool:
@@ -189,23 +191,13 @@ class Controller:
         During a stop or a pause it counts as moving: right after a stop is accepted, no cycle has
         yet checked whether the arm stands.
         """
-        halting = self._motion.phase in (MotionPhase.STOPPING, MotionPhase.PAUSING)
-        return halting or self._motion.moving or self.force.moving or self._standstill.turning
+        halting = self.motion.phase in (MotionPhase.STOPPING, MotionPhase.PAUSING)
+        return halting or self.motion.moving or self.force.moving or self._standstill.turning
 
     @property
     def idle(self) -> bool:
         """Whether no motion runs or waits."""
-        return self._motion.phase is _IDLE and not self._deferred
-
-    @property
-    def progress(self) -> float:
-        """Progress of the running motion along its path, 0 to 1."""
-        return self._motion.progress
-
-    @property
-    def setpoint(self) -> JointSetPoint:
-        """The latest set-point of the motions."""
-        return self._motion.setpoint
+        return self.motion.phase is _IDLE and not self._deferred
 
     @property
     def simulated(self) -> JointSetPoint | None:
@@ -215,20 +207,20 @@ class Controller:
     @property
     def busy(self) -> bool:
         """Whether something is under way that needs every cycle."""
-        phase = self._motion.phase
+        phase = self.motion.phase
         if (phase is not _IDLE and phase is not _PAUSED) or self._execution.running:
             return True
         changing = self.recorder.active or self.rules.busy or bool(self._leaving or self._deferred)
-        return self._power.busy or self.moving or changing
+        return self.power.busy or self.moving or changing
 
     def view(self) -> ControllerState:
         """The state, for readers; the same object for as long as the state does not change."""
-        motion, control = self._motion, self.force.control
+        motion, control = self.motion, self.force.control
         safety, frames = self._safety, self.frames
         phase = motion.phase
         # All values on which the state depends, cheap to read: most cycles change none of them.
         told = (
-            self._power.state,
+            self.power.state,
             self._execution.state(phase, manual=self.mode is _MANUAL),
             safety.fault,
             self.mode,
@@ -253,7 +245,7 @@ class Controller:
 
     def _made_view(self) -> ControllerState:
         return ControllerState(
-            self._power.state,
+            self.power.state,
             self.program,
             self.safety,
             self.mode,
@@ -271,24 +263,15 @@ class Controller:
             self._simulation is not None,
         )
 
-    @property
-    def power_times(self) -> dict[str, float]:
-        """Durations of power_on, enable, disable and power_off that are not the usual ones [s]."""
-        return self._power.times
-
     # -- commands: each makes a task, and returns its id -------------------------------------
-
-    def change_power(self, name: str) -> int:
-        """Request power_on, power_off, enable, disable, shutdown or restart."""
-        return self._power.request(name)
 
     def move(self, name: str, plan: Plan, triggers: MotionTriggers | None = None) -> int:
         """Queue a motion with its triggers."""
-        return self._accept(name, None, lambda id_: self._motion.append(id_, plan, triggers))
+        return self._accept(name, None, lambda id_: self.motion.append(id_, plan, triggers))
 
     def follow(self, name: str, following: Following) -> int:
         """Queue a motion whose targets arrive while it runs."""
-        return self._accept(name, following, lambda id_: self._motion.follow(id_, following))
+        return self._accept(name, following, lambda id_: self.motion.follow(id_, following))
 
     def _accept(self, name: str, following: Following | None, begin: Callable[[int], None]) -> int:
         """Queue a motion, which waits until the arm stands if it is being stopped."""
@@ -318,12 +301,12 @@ class Controller:
                 self._begin(motion)
         if self._deferred.paused:
             self._deferred.paused = False
-            self._motion.pause()
+            self.motion.pause()
 
     @property
     def _ending(self) -> bool:
         """Whether motions or force control are being ended, so that the next motion waits."""
-        return self._motion.ending or self.force.closing
+        return self.motion.ending or self.force.closing
 
     def end_following(self, name: str, *kinds: str) -> int:
         """End the motions of some kinds that follow targets; this task ends at rest."""
@@ -333,7 +316,7 @@ class Controller:
             "ended before it began",
             lambda motion: motion.following is not None and motion.following.kind in kinds,
         )
-        self._motion.finish(kinds, id_)
+        self.motion.finish(kinds, id_)
         return id_
 
     def jog(self, name: str, plan: Plan, ended: TaskState = TaskState.STOPPED) -> int:
@@ -355,7 +338,7 @@ class Controller:
             return self.end_following(name, "move_jog")
         id_ = self.tasks.new(name)
         self._deferred.end(TaskState.STOPPED, "the jog was ended", lambda m: m.id == self._jog)
-        self._motion.stop(self._jog_ends, "the jog was ended", id_)
+        self.motion.stop(self._jog_ends, "the jog was ended", id_)
         return id_
 
     def run_program(self, run: RunningProgram) -> int:
@@ -369,7 +352,7 @@ class Controller:
     def stop(self) -> int:
         """End every task; this task ends when the arm stands."""
         id_ = self.tasks.new("stop")
-        self._power.drop_waiting(TaskState.STOPPED, "stopped")
+        self.power.drop_waiting(TaskState.STOPPED, "stopped")
         self._halt(TaskState.STOPPED, "stopped", id_)
         return id_
 
@@ -384,8 +367,8 @@ class Controller:
         id_ = self.tasks.new("pause")
         self._execution.pause()
         self._deferred.paused = bool(self._deferred)
-        self._motion.pause(id_)
-        self._execution.at_standstill(self._motion.phase)
+        self.motion.pause(id_)
+        self._execution.at_standstill(self.motion.phase)
         return id_
 
     def resume(self) -> int:
@@ -394,7 +377,7 @@ class Controller:
         if paused and (reason := self._admission.moving()):
             return self.reject("resume", TaskState.ILLEGAL, reason)
         self._deferred.paused = False
-        self._motion.resume()
+        self.motion.resume()
         self._execution.resume()
         return self.finish("resume")
 
@@ -404,8 +387,8 @@ class Controller:
             self.mode = mode
             self._execution.pause()
             self._deferred.paused = bool(self._deferred)
-            if self._motion.phase is MotionPhase.RUNNING:
-                self._motion.pause()
+            if self.motion.phase is MotionPhase.RUNNING:
+                self.motion.pause()
         return self.finish("switch_mode")
 
     def simulate(self, on: bool) -> int:
@@ -433,7 +416,7 @@ class Controller:
     def set_speed(self, percent: float) -> int:
         """Set the global speed [%]."""
         self._speed = percent
-        self._motion.set_speed(percent / 100.0)
+        self.motion.set_speed(percent / 100.0)
         return self.finish("speed")
 
     def finish(self, name: str) -> int:
@@ -450,35 +433,17 @@ class Controller:
 
     def plan_in_background(self) -> None:
         """Let motions wait for `next_plan` and `take_plan` from now on."""
-        self._motion.in_background = True
-
-    @property
-    def time_left(self) -> float:
-        """Time until the running motion is at its end [s]; 0.0 if unknown."""
-        return self._motion.time_left
+        self.motion.in_background = True
 
     @property
     def unplanned(self) -> int | None:
         """Id of the last motion that is not planned yet; None if there is none."""
-        unplanned = self._motion.unplanned
+        unplanned = self.motion.unplanned
         return unplanned[-1][0] if unplanned else None
-
-    @property
-    def planning(self) -> Planning | None:
-        """The motion that is being planned; None if there is none, or if it was dropped."""
-        return self._motion.planning
-
-    def awaits_plan(self, id_: int) -> bool:
-        """Whether a motion still waits for its plan."""
-        return self._motion.awaits_plan(id_)
-
-    def next_plan(self) -> Planning | None:
-        """Begin to plan the next motion, and give it; None if there is none."""
-        return self._motion.next_plan()
 
     def take_plan(self, planning: Planning, came: Drafted | PlanError) -> None:
         """Take the result of planning a motion, unless the plan was dropped meanwhile."""
-        self._motion.take_plan(planning, came)
+        self.motion.take_plan(planning, came)
         self._collect_failures()
 
     # -- actions without a task --------------------------------------------------------------
@@ -517,13 +482,13 @@ class Controller:
             joint: the joint, 1 to 6.
             touched: text about the contacts, if known; a real controller has no such information.
         """
-        if self._power.state is not RobotState.ENABLE:
+        if self.power.state is not RobotState.ENABLE:
             return
         self.collisions.axis = joint
         known = touched and f" (simulator: {touched})"
         self.fault(SafetyState.STOP2, f"Joint {joint} 检测到碰撞{known}")
         if not self.force.active:  # which has moved the set-points away from the motions'
-            self._motion.yield_to(self.sensed.q)
+            self.motion.yield_to(self.sensed.q)
 
     def reset_collision(self) -> None:
         """Clear the warning; the safety stop remains."""
@@ -554,7 +519,7 @@ class Controller:
 
     def _tick(self, sensed: SensedState) -> DriveCommand:
         """Run one cycle of the real or simulated arm; idle parts are not called."""
-        motion, force, power, time = self._motion, self.force, self._power, sensed.time
+        motion, force, power, time = self.motion, self.force, self.power, sensed.time
         control = force.control
         self.sensed = force.sensed = sensed
         self._execution.watch(time, motion.phase, self.program_lag)
@@ -601,13 +566,13 @@ class Controller:
 
     def _accompany(self, time: float) -> None:
         """What goes on beside the motions: calls that are answered ahead, and external axes."""
-        if self._motion.blending:
-            self._motion.read_ahead(*self.read_ahead)
-        self.external_axes.follow(self._motion.axes, time)
+        if self.motion.blending:
+            self.motion.read_ahead(*self.read_ahead)
+        self.external_axes.follow(self.motion.axes, time)
 
     def _change_power(self, time: float) -> None:
         safe, standing = self._safety.safe, not self.moving
-        for event, name in self._power.tick(time, safe=safe, standing=standing):
+        for event, name in self.power.tick(time, safe=safe, standing=standing):
             if event == "begun":
                 self._power_begun(name)
             else:
@@ -632,7 +597,7 @@ class Controller:
         self.external_axes.positions.update(self._simulation.axes)
         self._simulation = None
         self.sensed = self.force.sensed = self._real
-        self._motion.reset(self._real.q)
+        self.motion.reset(self._real.q)
         self.collisions.reset()
 
     def _power_begun(self, name: str) -> None:
@@ -651,7 +616,7 @@ class Controller:
 
     def _power_went(self, before: RobotState, now: RobotState) -> None:
         if now is RobotState.ENABLE and before is not RobotState.ENABLE:
-            self._motion.reset(self.sensed.q)
+            self.motion.reset(self.sensed.q)
         if (now is RobotState.ENABLE) is not (before is RobotState.ENABLE):
             self.force.powered()
         if now in _POWERED and before not in _POWERED:
@@ -661,28 +626,28 @@ class Controller:
         """End the program, every motion and the control task when the arm stands."""
         self._execution.end(state, message)
         self._deferred.end(state, message)
-        self._motion.stop(state, message, control)
-        self._execution.at_standstill(self._motion.phase)
+        self.motion.stop(state, message, control)
+        self._execution.at_standstill(self.motion.phase)
 
     def _cut(self, message: str) -> None:
         self._deferred.end(TaskState.ERROR, message)
-        self._motion.cut(message, self.sensed.q)
+        self.motion.cut(message, self.sensed.q)
         self._execution.end(TaskState.ERROR, message)
         self._execution.at_standstill(_IDLE)
-        self._power.cut(message)
+        self.power.cut(message)
         self.force.cut()
 
     def _lose_heartbeat(self) -> None:
         """Stop the arm without a safety stop: the next program may move it."""
-        if self._motion.phase is not _IDLE or self._power.busy or self._execution.active:
+        if self.motion.phase is not _IDLE or self.power.busy or self._execution.active:
             self.note_error("heartbeat lost: all tasks were stopped")
             self.stop()
 
     def _collect_failures(self) -> None:
-        for message in self._motion.failures:
+        for message in self.motion.failures:
             self.note_error(message)
-        self._motion.failures.clear()
-        faults, self._motion.faults = self._motion.faults, []
+        self.motion.failures.clear()
+        faults, self.motion.faults = self.motion.faults, []
         for message in faults:
             self.fault(SafetyState.STOP2, message)
 

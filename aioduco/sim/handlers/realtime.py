@@ -69,7 +69,7 @@ class RealtimeHandlers(HandlerSection):
             return id_
         first = controller.commands.first()
         if first is not None:
-            wrong = differs(self._arm, controller.setpoint.q, first, what, tool, wobj)
+            wrong = differs(self._arm, controller.motion.setpoint.q, first, what, tool, wobj)
             if wrong:
                 controller.fault(SafetyState.STOP2, f"{_KIND}: {wrong}")
                 return id_

@@ -23,27 +23,27 @@ class SystemHandlers(HandlerSection):
 
     def power_on(self, block: bool) -> int:
         """机器人上电."""
-        return self._task("power_on", block, lambda c: c.change_power("power_on"))
+        return self._task("power_on", block, lambda c: c.power.request("power_on"))
 
     def power_off(self, block: bool) -> int:
         """机器人下电."""
-        return self._task("power_off", block, lambda c: c.change_power("power_off"))
+        return self._task("power_off", block, lambda c: c.power.request("power_off"))
 
     def enable(self, block: bool) -> int:
         """机器人上使能."""
-        return self._task("enable", block, lambda c: c.change_power("enable"))
+        return self._task("enable", block, lambda c: c.power.request("enable"))
 
     def disable(self, block: bool) -> int:
         """机器人下使能."""
-        return self._task("disable", block, lambda c: c.change_power("disable"))
+        return self._task("disable", block, lambda c: c.power.request("disable"))
 
     def shutdown(self, block: bool) -> int:
         """机器人关机."""
-        return self._task("shutdown", block, lambda c: c.change_power("shutdown"))
+        return self._task("shutdown", block, lambda c: c.power.request("shutdown"))
 
     def restart(self, block: bool) -> int:
         """机器人重启."""
-        return self._task("restart", block, lambda c: c.change_power("restart"))
+        return self._task("restart", block, lambda c: c.power.request("restart"))
 
     def stop(self, block: bool) -> int:
         """停止所有任务."""
@@ -85,7 +85,7 @@ class SystemHandlers(HandlerSection):
                 make,
                 controller.tasks,
                 ahead=lambda: controller.read_ahead,
-                progress=lambda: controller.progress,
+                progress=lambda: controller.motion.progress,
             )
             return controller.run_program(steps)
 

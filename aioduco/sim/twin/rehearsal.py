@@ -185,7 +185,7 @@ class _Run:
         while self.controller.view().robot is not RobotState.ENABLE:
             for name in ("power_on", "enable"):
                 if not self.controller.busy:
-                    self.controller.change_power(name)
+                    self.controller.power.request(name)
                     self._settle()
         self.time = time
         self.moved_at = -math.inf
@@ -303,7 +303,7 @@ class _UnthreadedRuntime:
         sensed, controller = self._run.sensed, self._controller
         q = sensed.q
         none = PlantReading(q, q, _ZEROS, _ZEROS, _ZEROS, _ZEROS, _ZEROS, _ZEROS)
-        at = controller.setpoint
+        at = controller.motion.setpoint
         warmth = (_ZEROS, _ZEROS)
         return SimulationSnapshot(sensed, none, _ZEROS, at, controller.view(), (0.0,) * 6, warmth)
 

@@ -8,18 +8,23 @@ from typing import TYPE_CHECKING, NamedTuple
 import anyio
 import anyio.to_thread
 import numpy as np
+import typer
 
 import aioduco
-from aioduco.errors import GoalInCollision, PlanningError, RenderError
+from aioduco.cli import extras
+from aioduco.cli.command_terms import in_commands
+from aioduco.cli.demo_run import OUTPUT, write_result
+from aioduco.cli.safe_console import SafeConsole
+from aioduco.errors import DucoError, GoalInCollision, PlanningError, RenderError
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.whole_files import whole_file
 from aioduco.planning import Plan, Planner, Scene
+from aioduco.sim import Simulator
 from aioduco.sim.scene import Box
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from aioduco.cli.safe_console import SafeConsole
     from aioduco.kinematics import Arm
     from aioduco.robot import Robot
     from aioduco.sim.process import SimulatorProcess
@@ -139,3 +144,19 @@ def save_pictures(plan: Plan, scene: Scene, folder: Path, console: SafeConsole) 
 
 async def _here(robot: Robot) -> Joints:
     return Joints.of(await robot.state.get_actual_joints_position())
+
+
+def run_planned(model: str, result: Path | None, pictures: Path | None) -> None:
+    """Plan and carry out ways round an obstacle, on a simulated arm."""
+    arm = extras.arm(model)
+    console = SafeConsole(stderr=result == OUTPUT)
+    try:
+        with Simulator.spawn(model=model, joints=LEFT_THERE, scene=[obstacle(arm)]) as sim:
+            steps = anyio.run(perform_plans, sim, arm, console, pictures)
+    except DucoError as error:
+        console.print(
+            f"error: {in_commands(error)}", style="bold red", markup=False, highlight=False
+        )
+        raise typer.Exit(1) from None
+    if result is not None:
+        write_result({"model": model, "steps": [step._asdict() for step in steps]}, result)

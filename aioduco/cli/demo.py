@@ -1,4 +1,4 @@
-"""The options of `aioduco demo`."""
+"""`aioduco demo`: a small pick and place, or ways round an obstacle. Here are its options."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from aioduco.cli import extras
 from aioduco.cli.addresses import Port, robot_at
 from aioduco.cli.options import refuse_unused, require_writable
 
@@ -43,8 +44,6 @@ def demo(
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask before a real arm moves.")] = False,
 ) -> None:
     """Make a small pick and place, show it, and say how well it went."""
-    from aioduco.cli.demo import run  # noqa: PLC0415 - NumPy and the rest are for this command alone
-
     if host is None:
         refuse_unused(context, "--host: without it, a simulated arm moves", "port")
     else:
@@ -53,10 +52,19 @@ def demo(
         refuse_unused(context, "the pick and place, without --plan", "speed", "plot", "no_plot")
     else:
         refuse_unused(context, "--plan", "pictures")
-    require_writable("--plot", None if no_plot or planned else plot)
-    require_writable("--json", None if result == run.OUTPUT else result)
+    drawn = None if no_plot or planned else plot
+    require_writable("--plot", drawn)
+    require_writable("--json", None if result == Path("-") else result)
     address = None if host is None else robot_at(host, port)
-    if planned:
-        run.run_planned(address, model, result, pictures)
-    else:
-        run.run(address, model, speed, None if no_plot else plot, result, yes=yes)
+    if not planned:
+        from aioduco.cli.demo_run import run  # noqa: PLC0415 - NumPy and the rest, as below
+
+        run(address, model, speed, drawn, result, yes=yes)
+    if address is not None:
+        raise typer.BadParameter(
+            "is for a simulated arm: its obstacle stands nowhere else", param_hint="--plan"
+        )
+    extras.need("sim", "plan", *(("plot",) if pictures is not None else ()))
+    from aioduco.cli.demo_plan import run_planned  # noqa: PLC0415 - MuJoCo is for this case alone
+
+    run_planned(model, result, pictures)
