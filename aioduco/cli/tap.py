@@ -21,6 +21,7 @@ from aioduco.cli.output import say
 from aioduco.cli.signals import end_signals, handled
 from aioduco.models.address import parse_address
 from aioduco.models.host_port import host_port
+from aioduco.models.numpy_on_use import json_value
 from aioduco.models.similar import unknown
 
 if TYPE_CHECKING:
@@ -163,9 +164,4 @@ def _line(item: TappedCall | TapNote) -> str:
     """An item as one line of JSON; `at` in seconds since 1970."""
     found: dict[str, Any] = item._asdict()
     found["at"] += time.time() - time.monotonic()
-    return json_module.dumps(found, default=_plain, ensure_ascii=False)
-
-
-def _plain(value: Any) -> Any:
-    fields = getattr(value, "__dataclass_fields__", None)
-    return str(value) if fields is None else {name: getattr(value, name) for name in fields}
+    return json_module.dumps(json_value(found), ensure_ascii=False)

@@ -8,7 +8,7 @@ way, and a policy that was learned on one works on the other.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -47,38 +47,6 @@ _CLOSE, _HOLDS = 1, 1  # number of the gripper's output, and of the input of its
 _PATIENCE = 120.0  # time-out for a controller in this process, also on a busy computer [s]
 
 
-class EpisodeArm(Protocol):
-    """An arm for episodes, each of which begins from exactly the same state."""
-
-    def restart(self, things: Mapping[str, tuple[float, ...]]) -> None:
-        """Begin an episode: the arm at home, things at their poses [m, rad]."""
-
-    def follow(self, target: Vector, *, closed: bool) -> str:
-        """Move towards target joints for one period.
-
-        Args:
-            target: target joints [rad]. Shape (6,).
-            closed: whether to close the gripper; no effect without a gripper.
-
-        Returns:
-            The reason for which the arm was stopped; empty if it was not.
-        """
-        ...
-
-    def reading(self) -> TaskReading:
-        """Read the current state."""
-        ...
-
-    def picture(
-        self, width: int, height: int, camera: Camera, marks: tuple[PictureMark, ...]
-    ) -> Picture:
-        """Draw the scene: red, green, blue. Shape (height, width, 3)."""
-        ...
-
-    def close(self) -> None:
-        """Release all resources."""
-
-
 def _tip(arm: Arm, q: Vector, length: float) -> tuple[Vector, Vector]:
     flange = arm.fkine(q)
     return flange[:3, 3] + length * flange[:3, 2], flange[:3, :3]
@@ -112,7 +80,7 @@ class PhysicsArm:
         self._pictures = PictureProcess(self._world.drawn)
 
     def restart(self, things: Mapping[str, tuple[float, ...]]) -> None:
-        """Begin an episode."""
+        """Begin an episode: the arm at home, things at their poses [m, rad]."""
         self._closed = False
         self._world.arrange(self._home, things)
         self._follower = ServoFollower(self._arm, self._home, self._task.cycle)
@@ -121,7 +89,15 @@ class PhysicsArm:
             self._world.step(self._drive)
 
     def follow(self, target: Vector, *, closed: bool) -> str:
-        """Move towards target joints for one period."""
+        """Move towards target joints for one period.
+
+        Args:
+            target: target joints [rad]. Shape (6,).
+            closed: whether to close the gripper; no effect without a gripper.
+
+        Returns:
+            The reason for which the arm was stopped; empty if it was not.
+        """
         world, hand = self._world, self._world.hand
         if self._follower.ended:
             self._follower = ServoFollower(self._arm, self._drive.q, self._task.cycle)
@@ -152,7 +128,7 @@ class PhysicsArm:
     def picture(
         self, width: int, height: int, camera: Camera, marks: tuple[PictureMark, ...]
     ) -> Picture:
-        """Draw the scene."""
+        """Draw the scene: red, green, blue. Shape (height, width, 3)."""
         return self._pictures.picture(self._world.positions, width, height, camera, marks)
 
     def close(self) -> None:
@@ -200,7 +176,15 @@ class ControllerArm:
         simulator.advance(round(_SETTLING / self._task.cycle))
 
     def follow(self, target: Vector, *, closed: bool) -> str:
-        """Move towards target joints for one period."""
+        """Move towards target joints for one period.
+
+        Args:
+            target: target joints [rad]. Shape (6,).
+            closed: whether to close the gripper; no effect without a gripper.
+
+        Returns:
+            The reason for which the arm was stopped; empty if it was not.
+        """
         simulator, robot = self._opened()
         try:
             if self._task.gripper and closed != self._closed:
@@ -231,7 +215,7 @@ class ControllerArm:
     def picture(
         self, width: int, height: int, camera: Camera, marks: tuple[PictureMark, ...]
     ) -> Picture:
-        """Draw the scene."""
+        """Draw the scene: red, green, blue. Shape (height, width, 3)."""
         simulator, _ = self._opened()
         return simulator.render(width=width, height=height, camera=camera, marks=marks)
 

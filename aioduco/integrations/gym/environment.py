@@ -10,7 +10,7 @@ from gymnasium import spaces
 
 from aioduco._process.copying import Uncopied
 from aioduco.errors import ParameterError, Unreachable
-from aioduco.integrations.gym.arms import ControllerArm, EpisodeArm, PhysicsArm
+from aioduco.integrations.gym.arms import ControllerArm, PhysicsArm
 from aioduco.integrations.gym.names import TASKS
 from aioduco.integrations.gym.tasks import TaskReading, task_of
 from aioduco.kinematics import arm as arm_of
@@ -100,7 +100,7 @@ class ArmEnv(Uncopied, gymnasium.Env[dict[str, Any], Any]):
         )  # fmt: skip
         self._upright = self._arm.fkine(np.array(READY))[:3, :3]
         self._home = self._joints(self._task.home, np.array(READY), None)
-        self._backend: EpisodeArm = (ControllerArm if wire else PhysicsArm)(
+        self._backend: ControllerArm | PhysicsArm = (ControllerArm if wire else PhysicsArm)(
             self._arm, self._task, self._home
         )
         self._target, self._tip = self._home, self._task.home

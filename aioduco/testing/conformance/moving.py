@@ -11,11 +11,14 @@ from aioduco._wire.rpc import Op
 from aioduco.errors import DucoError
 from aioduco.models.enums import ProgramState, SafetyState, TaskState
 from aioduco.testing.conformance.check_session import MOTION, CheckSession, NotTried
+from aioduco.testing.conformance.reading import check
 
 if TYPE_CHECKING:
     from aioduco.testing.conformance.reading import Found, Looked
 
 
+#: the checks of this module, in their order
+MOVING: Final[list[Looked]] = []
 #: how far the last joint turns at most, there and back [rad], and how fast [rad/s]
 _TURN: Final = 0.3
 _SLOW: Final = 0.1
@@ -27,6 +30,7 @@ _LEG: Final = 0.1
 _AT: Final = 2e-3
 
 
+@check(MOVING, "Tasks", "a motion that does not block", "an id above 8, FINISHED at its target")
 def _finished(session: CheckSession) -> Found:
     goal = session.joints()
     goal[5] += _TURN / 3
@@ -37,11 +41,13 @@ def _finished(session: CheckSession) -> Found:
     return id_ > 8 and state is TaskState.FINISHED and apart < _AT, f"id {id_}, {state}, {there}"
 
 
+@check(MOVING, "Tasks", "a motion that blocks", "4")
 def _blocking(session: CheckSession) -> Found:
     answer = session.turn(-_TURN / 3, block=True)
     return answer == TaskState.FINISHED, f"{answer}"
 
 
+@check(MOVING, "States", "while a motion runs", "task 1, program 2")
 def _running(session: CheckSession) -> Found:
     id_ = session.turn(_TURN, v=_SLOW)
     session.begun(id_)
@@ -50,6 +56,12 @@ def _running(session: CheckSession) -> Found:
     return in_time, f"task {int(task)}, program {program}"
 
 
+@check(
+    MOVING,
+    "Stop, pause, resume",
+    "stop in mid motion",
+    "stop answers 4, the motion 3, and the arm stands",
+)
 def _stopped(session: CheckSession) -> Found:
     id_ = session.turn(-_TURN, v=_SLOW)
     session.begun(id_)
@@ -62,6 +74,7 @@ def _stopped(session: CheckSession) -> Found:
     return same, f"stop answers {answer}, the motion {int(state)}, it {still} after {took:.2f} s"
 
 
+@check(MOVING, "Tasks", "a motion that abort ended", "5")
 def _aborted(session: CheckSession) -> Found:
     id_ = session.turn(_TURN, v=_SLOW)
     session.begun(id_)
@@ -70,6 +83,9 @@ def _aborted(session: CheckSession) -> Found:
     return state is TaskState.INTERRUPT, f"{int(state)}"
 
 
+@check(
+    MOVING, "Stop, pause, resume", "pause and resume", "task 2 and the arm stands; 4 at its target"
+)
 def _paused(session: CheckSession) -> Found:
     goal = session.joints()
     goal[5] -= _TURN
@@ -87,6 +103,7 @@ def _paused(session: CheckSession) -> Found:
     )
 
 
+@check(MOVING, "Tasks", "a motion that blends into the next", "5 and 4")
 def _blended(session: CheckSession) -> Found:
     """Blend two motions of the first joint, there and back: the last one does not move the tool."""
     start = session.joints()
@@ -102,6 +119,12 @@ def _blended(session: CheckSession) -> Found:
     return same, f"{int(states[0])} and {int(states[1])}"
 
 
+@check(
+    MOVING,
+    "Tasks",
+    "motions that make no sense",
+    "five joints 7, a speed of 0 or below 8; nothing moves",
+)
 def _refused(session: CheckSession) -> Found:
     """Send calls that must not move the arm, whatever the controller answers."""
     here = session.joints()
@@ -122,6 +145,7 @@ def _refused(session: CheckSession) -> Found:
     return same, ", ".join(found)
 
 
+@check(MOVING, "Tasks", "a motion between a stop and rest", "4")
 def _while_stopping(session: CheckSession) -> Found:
     """Send a motion after a stop, before the arm is at rest: it waits for that.
 
@@ -147,6 +171,9 @@ def _while_stopping(session: CheckSession) -> Found:
     raise NotTried("the arm stood each time before the motion came")
 
 
+@check(
+    MOVING, "Transport", "a connection that ends in mid motion", "the motion goes on to its target"
+)
 def _lost_connection(session: CheckSession) -> Found:
     """End the connection of a blocking call in mid motion, without a heartbeat."""
     goal = session.joints()
@@ -178,6 +205,24 @@ def _call_and_disconnect(session: CheckSession, goal: list[float], over: threadi
         connection.call("movej2", (goal, _SLOW, 1.0, 0.0, True, Op(), False), MOTION)
 
 
+@check(MOVING, "Velocities, jogs, hand guiding", "speedj for a second", "4, turned by as much")
+def _velocity(session: CheckSession) -> Found:
+    before = session.joints()[5]
+    answer = session.call("speedj", [0.0] * 5 + [_SLOW], 1.0, 1000, True, timeout=MOTION)
+    if not session.until(lambda: not session.moving(), 10.0):
+        return False, "it does not end"
+    turned = session.joints()[5] - before
+    return answer == TaskState.FINISHED and 0.5 * _SLOW < turned < 1.5 * _SLOW, (
+        f"{answer}, turned by {turned:.3f} rad"
+    )
+
+
+@check(
+    MOVING,
+    "Heartbeat",
+    "a heartbeat that ends in mid motion",
+    "the arm stands, and there is no safety stop",
+)
 def _heartbeat(session: CheckSession) -> Found:
     """Send one heartbeat and none after it, in mid motion; then read the robot's state."""
     id_ = session.turn(-_TURN, v=_SLOW)
@@ -194,55 +239,3 @@ def _heartbeat(session: CheckSession) -> Found:
         f"the arm stands after {took:.2f} s, the motion {int(state)}, robot {robot}, "
         f"safety {safety}"
     )
-
-
-def _velocity(session: CheckSession) -> Found:
-    before = session.joints()[5]
-    answer = session.call("speedj", [0.0] * 5 + [_SLOW], 1.0, 1000, True, timeout=MOTION)
-    if not session.until(lambda: not session.moving(), 10.0):
-        return False, "it does not end"
-    turned = session.joints()[5] - before
-    return answer == TaskState.FINISHED and 0.5 * _SLOW < turned < 1.5 * _SLOW, (
-        f"{answer}, turned by {turned:.3f} rad"
-    )
-
-
-MOVING: Final[tuple[Looked, ...]] = (
-    ("Tasks", "a motion that does not block", "an id above 8, FINISHED at its target", _finished),
-    ("Tasks", "a motion that blocks", "4", _blocking),
-    ("States", "while a motion runs", "task 1, program 2", _running),
-    (
-        "Stop, pause, resume",
-        "stop in mid motion",
-        "stop answers 4, the motion 3, and the arm stands",
-        _stopped,
-    ),
-    ("Tasks", "a motion that abort ended", "5", _aborted),
-    (
-        "Stop, pause, resume",
-        "pause and resume",
-        "task 2 and the arm stands; 4 at its target",
-        _paused,
-    ),
-    ("Tasks", "a motion that blends into the next", "5 and 4", _blended),
-    (
-        "Tasks",
-        "motions that make no sense",
-        "five joints 7, a speed of 0 or below 8; nothing moves",
-        _refused,
-    ),
-    ("Tasks", "a motion between a stop and rest", "4", _while_stopping),
-    (
-        "Transport",
-        "a connection that ends in mid motion",
-        "the motion goes on to its target",
-        _lost_connection,
-    ),
-    ("Velocities, jogs, hand guiding", "speedj for a second", "4, turned by as much", _velocity),
-    (
-        "Heartbeat",
-        "a heartbeat that ends in mid motion",
-        "the arm stands, and there is no safety stop",
-        _heartbeat,
-    ),
-)

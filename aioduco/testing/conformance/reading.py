@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 #: whether the controller behaves like the simulated one, and what was found
 Found = tuple[bool, str]
 Looked = tuple[str, str, str, "Callable[[CheckSession], Found]"]
+#: the checks of this module, in their order
+READING: Final[list[Looked]] = []
 
 #: number of connections that programs of this package open at once, and some more
 _CONNECTIONS: Final = 12
@@ -37,11 +39,37 @@ _STILL: Final = 1e-3
 _CALIBRATION: Final = 5e-3
 
 
+def check(
+    checks: list[Looked], section: str, name: str, expected: str
+) -> Callable[[Callable[[CheckSession], Found]], Callable[[CheckSession], Found]]:
+    """Add a check to others.
+
+    Args:
+        checks: the checks.
+        section: heading of the ledger.
+        name: what is looked at.
+        expected: what the simulated controller does.
+    """
+
+    def add(look: Callable[[CheckSession], Found]) -> Callable[[CheckSession], Found]:
+        checks.append((section, name, expected, look))
+        return look
+
+    return add
+
+
+@check(READING, "States", "get_robot_version", "a text")
 def _version(session: CheckSession) -> Found:
     found = session.call("get_robot_version")
     return isinstance(found, str) and bool(found), repr(found)
 
 
+@check(
+    READING,
+    "Transport",
+    "functions that read and take nothing",
+    "answered, but for seven of the motors that the vendor does not publish",
+)
 def _functions(session: CheckSession) -> Found:
     """Call each function that reads and takes no arguments."""
     wrong: list[str] = []
@@ -65,6 +93,9 @@ def _functions(session: CheckSession) -> Found:
     return not wrong, "; ".join([answered, *wrong])
 
 
+@check(
+    READING, "Transport", "a function that does not exist", "exception, and the connection goes on"
+)
 def _unknown(session: CheckSession) -> Found:
     name = "no_such_function"
     answers = _exchange(session, Message(MessageType.CALL, name, 7, b"\0"))
@@ -101,6 +132,7 @@ def _exchange(session: CheckSession, message: Message) -> list[Message]:
     return found
 
 
+@check(READING, "Transport", "an answer's name and number", "those of its call")
 def _numbers(session: CheckSession) -> Found:
     answers = _exchange(session, Message(MessageType.CALL, "robotmoving", 41, b"\0"))
     if not answers:
@@ -109,6 +141,7 @@ def _numbers(session: CheckSession) -> Found:
     return (first.name, first.seqid) == ("robotmoving", 41), f"{first.name}, {first.seqid}"
 
 
+@check(READING, "Transport", f"{_CONNECTIONS} connections at once", "all are served")
 def _connections(session: CheckSession) -> Found:
     with contextlib.ExitStack() as stack:
         for number in range(_CONNECTIONS):
@@ -121,6 +154,7 @@ def _connections(session: CheckSession) -> Found:
     return True, f"{_CONNECTIONS} are served at once"
 
 
+@check(READING, "States", "get_robot_state", "four states that are known")
 def _states(session: CheckSession) -> Found:
     found = session.call("get_robot_state")
     kinds = (RobotState, ProgramState, SafetyState, OperationMode)
@@ -134,6 +168,7 @@ def _states(session: CheckSession) -> Found:
     return not unknown, f"{found}" + (f": unknown {', '.join(unknown)}" if unknown else "")
 
 
+@check(READING, "States", "joints in getRobotStatus", "at least six, finite")
 def _status(session: CheckSession) -> Found:
     status = session.call("getRobotStatus")
     joints = ("jointActualPosition", "jointExpectPosition", "jointActualVelocity", "slaveReady")
@@ -147,6 +182,7 @@ def _status(session: CheckSession) -> Found:
     return not wrong, lengths
 
 
+@check(READING, "States", "the two ways to read the joints of a standing arm", "the same")
 def _agree(session: CheckSession) -> Found:
     if session.moving():
         raise NotTried("the arm moves")
@@ -155,6 +191,7 @@ def _agree(session: CheckSession) -> Found:
     return bool(apart < _STILL), f"{apart:.2g} rad apart"
 
 
+@check(READING, "What is read", "cal_fkine", "that of a known model within 5 mm")
 def _forward(session: CheckSession) -> Found:
     """Compare its forward kinematics, without tool and work object, with those of the models."""
     joints = [0.3, -0.4, 1.4, 0.2, -1.2, 0.5]
@@ -168,6 +205,7 @@ def _forward(session: CheckSession) -> Found:
     return apart[name] < _CALIBRATION, f"{1e3 * apart[name]:.2g} mm from that of the {name}"
 
 
+@check(READING, "What is read", "cal_ikine of a pose, near its joints", "those joints")
 def _inverse(session: CheckSession) -> Found:
     joints, none = [0.3, -0.4, 1.4, 0.2, -1.2, 0.5], [0.0] * 6
     pose = session.call("cal_fkine", joints, none, none)
@@ -178,11 +216,13 @@ def _inverse(session: CheckSession) -> Found:
     )
 
 
+@check(READING, "Tasks", "state of an id that was never given out", "0")
 def _unknown_task(session: CheckSession) -> Found:
     state = session.call("get_noneblock_taskstate", 2**31 - 7)
     return state == TaskState.IDLE, f"{state}"
 
 
+@check(READING, "Transport", f"{_CALLS} calls, one after another", "below 100 ms at p90")
 def _round_trip(session: CheckSession) -> Found:
     times = []
     for _ in range(_CALLS):
@@ -196,34 +236,8 @@ def _round_trip(session: CheckSession) -> Found:
     return p90 < 0.1, found
 
 
+@check(READING, "What is read", "cal_ikine beyond the reach", "the joints given as near")
 def _reach(session: CheckSession) -> Found:
     near, none = [0.3, -0.4, 1.4, 0.2, -1.2, 0.5], [0.0] * 6
     back = session.call("cal_ikine", [9.0, 0.0, 0.0, 0.0, 0.0, 0.0], near, none, none)
     return back == near, f"{back}"
-
-
-READING: Final[tuple[Looked, ...]] = (
-    ("States", "get_robot_version", "a text", _version),
-    (
-        "Transport",
-        "functions that read and take nothing",
-        "answered, but for seven of the motors that the vendor does not publish",
-        _functions,
-    ),
-    (
-        "Transport",
-        "a function that does not exist",
-        "exception, and the connection goes on",
-        _unknown,
-    ),
-    ("Transport", "an answer's name and number", "those of its call", _numbers),
-    ("Transport", f"{_CONNECTIONS} connections at once", "all are served", _connections),
-    ("Transport", f"{_CALLS} calls, one after another", "below 100 ms at p90", _round_trip),
-    ("States", "get_robot_state", "four states that are known", _states),
-    ("States", "joints in getRobotStatus", "at least six, finite", _status),
-    ("States", "the two ways to read the joints of a standing arm", "the same", _agree),
-    ("Tasks", "state of an id that was never given out", "0", _unknown_task),
-    ("What is read", "cal_fkine", "that of a known model within 5 mm", _forward),
-    ("What is read", "cal_ikine of a pose, near its joints", "those joints", _inverse),
-    ("What is read", "cal_ikine beyond the reach", "the joints given as near", _reach),
-)
