@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from aioduco.models.enums import OperationMode
 from aioduco.models.similar import did_you_mean
-from aioduco.sim.controller.signal_rules import place
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -96,15 +95,19 @@ def _nothing(words: list[str]) -> None:
 def _input(sim: Simulator, words: list[str]) -> None:
     signal, rest = _signal(words)
     on = _switch(rest)
-    tool, number = place(signal)
-    (sim.set_tool_digital_input if tool else sim.set_digital_input)(number, on)
+    if isinstance(signal, int):
+        sim.set_digital_input(signal, on)
+    else:
+        sim.set_tool_digital_input(_whole(signal.removeprefix("tool ")), on)
 
 
 def _output(sim: Simulator, words: list[str]) -> str:
     signal, rest = _signal(words)
     _nothing(rest)
-    tool, number = place(signal)
-    on = sim.signals.tool_out[number] if tool else sim.get_digital_output(number)
+    if isinstance(signal, int):
+        on = sim.get_digital_output(signal)
+    else:
+        on = sim.signals.tool_out[_whole(signal.removeprefix("tool "))]
     return "on" if on else "off"
 
 
