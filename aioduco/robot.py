@@ -68,8 +68,7 @@ if TYPE_CHECKING:
     from aioduco.models.controller_clock import Clock
     from aioduco.models.pose import PoseLike
     from aioduco.models.trace import Trace
-    from aioduco.recording.publication import Publication
-    from aioduco.recording.recorder import Recording, RobotObserver
+    from aioduco.recording.recorder import Publication, Recording, RobotObserver
     from aioduco.sim.twin.limits import TwinLimits
     from aioduco.sim.twin.twin import Twin, TwinAction
     from aioduco.streaming.endpoint import StreamEndpoint
@@ -650,7 +649,7 @@ class Robot(Uncopied, ManualNames, MisspeltRefused):
         Raises:
             ParameterError: an argument is out of range.
         """
-        from aioduco.recording.publication import Publication  # noqa: PLC0415  # with its extra
+        from aioduco.recording.recorder import Publication  # noqa: PLC0415  # with its extra
 
         publication = Publication(self._supervisor, port, host, forces)
         self._observed(publication)

@@ -36,8 +36,7 @@ from aioduco.api.streams import StreamMaker  # noqa: E402  # of this checkout
 from aioduco.api.streams.servo import OffsetStream  # noqa: E402  # of this checkout
 from aioduco.api.streams.track import TrackStream  # noqa: E402  # of this checkout
 from aioduco.devices.grippers.gripper import PolledGripper  # noqa: E402  # of this checkout
-from aioduco.recording.publication import Publication  # noqa: E402  # of this checkout
-from aioduco.recording.recorder import Recording  # noqa: E402  # of this checkout
+from aioduco.recording.recorder import Publication, Recording  # noqa: E402  # of this checkout
 from aioduco.robot import Robot, connect  # noqa: E402  # of this checkout
 from aioduco.sim.twin.twin import Twin  # noqa: E402  # of this checkout
 from aioduco.streaming.stream import Stream  # noqa: E402  # of this checkout

@@ -29,8 +29,6 @@ __all__ = [
     "RobotStatus",
     "Sample",
     "Vector",
-    "alarm_of",
-    "standing",
     "vector",
     "vectors",
 ]

@@ -19,8 +19,12 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from aioduco.recording.publication import Publication, PublicationStatistics
-    from aioduco.recording.recorder import Recording, RecordingStatistics
+    from aioduco.recording.recorder import (
+        Publication,
+        PublicationStatistics,
+        Recording,
+        RecordingStatistics,
+    )
     from aioduco.recording.run import RecordedMessage, RecordedRun, read
 
 __all__ = [
@@ -34,8 +38,7 @@ __all__ = [
 ]
 
 _HOMES = {
-    "publication": ("Publication", "PublicationStatistics"),
-    "recorder": ("Recording", "RecordingStatistics"),
+    "recorder": ("Publication", "PublicationStatistics", "Recording", "RecordingStatistics"),
     "run": ("RecordedMessage", "RecordedRun", "read"),
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names}

@@ -23,8 +23,12 @@ if TYPE_CHECKING:
     from aioduco.models.gripper_models import GripperModel
     from aioduco.models.op import Op
     from aioduco.models.rules import VectorLike
-    from aioduco.recording.publication import Publication as AioPublication, PublicationStatistics
-    from aioduco.recording.recorder import Recording as AioRecording, RecordingStatistics
+    from aioduco.recording.recorder import (
+        Publication as AioPublication,
+        PublicationStatistics,
+        Recording as AioRecording,
+        RecordingStatistics,
+    )
     from aioduco.sim.twin.limits import TwinLimits
     from aioduco.sim.twin.monitor import TwinFigures
     from aioduco.sim.twin.twin import Twin as AioTwin, TwinStatistics

@@ -21,8 +21,8 @@ from aioduco.integrations.ros.arm_readings import (
     tool_data_fields,
 )
 from aioduco.integrations.ros.arm_services import ArmServices
-from aioduco.integrations.ros.freedrive import Freedrive
 from aioduco.integrations.ros.joint_commands import JointCommands
+from aioduco.integrations.ros.streamed_commands import Freedrive
 from aioduco.integrations.ros.trajectory_goals import GoalRules, NamedLimits
 from aioduco.integrations.ros.trajectory_server import GoalProgress, Through, TrajectoryServer
 from aioduco.integrations.ros.twist_commands import TwistCommands
