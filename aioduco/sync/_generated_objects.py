@@ -270,11 +270,6 @@ class Twin(Started):
         return self._made.divergences
 
     @property
-    def running(self) -> bool:
-        """Whether it compares."""
-        return self._made.running
-
-    @property
     def over(self) -> bool:
         """Whether it has ended."""
         return self._made.over
@@ -288,6 +283,11 @@ class Twin(Started):
     def limits(self) -> TwinLimits | None:
         """The limits; None before the start, if none were given."""
         return self._made.limits
+
+    @property
+    def running(self) -> bool:
+        """Whether it compares."""
+        return self._made.running
 
     def statistics(self) -> TwinStatistics:
         """Figures since the start."""

@@ -80,6 +80,9 @@ class Twin(Uncopied):
         figures: the newest differences.
         joints: where the arm should be [rad]; None before the first sample. Shape (6,).
         divergences: the last hundred divergences, oldest first.
+        over: whether it has ended.
+        error: why it ended by itself; None if it did not.
+        limits: the limits; None before the start, if none were given.
     """
 
     def __init__(
@@ -97,7 +100,7 @@ class Twin(Uncopied):
             raise ParameterError("limits", limits, "a TwinLimits, or None")
         self._supervisor = supervisor
         self._tell = tell
-        self._limits = limits
+        self.limits: TwinLimits | None = limits
         self._action = action
         self._model = None if arm is None else arm_of(arm).name
         self._mounting = None if mounting is None else Pose.of(mounting)
@@ -109,13 +112,13 @@ class Twin(Uncopied):
         self._undo: list[Callable[[], object]] = []
         self._started_at = 0.0
         self._started = False
-        self._ended = False
+        self.over: bool = False
         self._samples = self._dropped = self._count = 0
         self._busy = 0.0
         self.figures: TwinFigures = TwinFigures()
         self.joints: tuple[float, ...] | None = None
         self.divergences: deque[TwinDiverged] = deque(maxlen=100)
-        self._error: Exception | None = None
+        self.error: Exception | None = None
 
     def __repr__(self) -> str:
         state = "running" if self.running else "ended" if self._started else "not started"
@@ -124,22 +127,7 @@ class Twin(Uncopied):
     @property
     def running(self) -> bool:
         """Whether it compares."""
-        return self._started and not self._ended
-
-    @property
-    def over(self) -> bool:
-        """Whether it has ended."""
-        return self._ended
-
-    @property
-    def error(self) -> Exception | None:
-        """Why it ended by itself; None if it did not."""
-        return self._error
-
-    @property
-    def limits(self) -> TwinLimits | None:
-        """The limits; None before the start, if none were given."""
-        return self._limits
+        return self._started and not self.over
 
     def statistics(self) -> TwinStatistics:
         """Figures since the start."""
@@ -159,7 +147,7 @@ class Twin(Uncopied):
         if self._started:
             raise RobotStateError("a twin is started once; make another one")
         begin = await self._settings()
-        self._limits = begin.limits
+        self.limits = begin.limits
         thread = DaemonThread("aioduco-twin-start")
         try:
             link, cancelled = await thread.run(lambda: _process(begin))
@@ -208,8 +196,8 @@ class Twin(Uncopied):
         self._fail(error if isinstance(error, Exception) else RuntimeError(repr(error)))
 
     def _fail(self, error: Exception) -> None:
-        if not self._ended:
-            self._error = error
+        if not self.over:
+            self.error = error
             _log.error("the twin ended early: %r", error)
             self._detach()
 
@@ -232,7 +220,7 @@ class Twin(Uncopied):
                     '`arm`, such as "gcr5_910". Nothing was started'
                 )
             self._model = known.name
-        limits = TwinLimits.of(arm_of(self._model)) if self._limits is None else self._limits
+        limits = TwinLimits.of(arm_of(self._model)) if self.limits is None else self.limits
         if limits.arm != self._model:
             raise ParameterError("limits", limits.arm, f"limits of this arm, {self._model}")
         offset, wobj, load = [
@@ -258,7 +246,7 @@ class Twin(Uncopied):
         self._supervisor.feed.force_readers -= 1
 
     def _detach(self) -> None:
-        self._ended = True
+        self.over = True
         undo, self._undo = self._undo, []
         for step in undo:
             step()
