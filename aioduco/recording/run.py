@@ -72,6 +72,7 @@ class RecordedRun:
     Attributes:
         path: the file.
         metadata: texts about the recording: "library", "controller", "address", "arm", "started".
+        started_ns: its begin, from which the times of its messages count [ns since 1970].
         complete: whether the recording was ended properly, and the file contains all of it. If not,
             the program was killed, the file could not be written any more, or it is damaged.
     """
@@ -97,8 +98,8 @@ class RecordedRun:
             start = -1
         if not 0 <= start < 1 << 63:  # the file is damaged there
             start, self.complete = 0, False
-        self._start = start or min(times, default=0)
-        self._end = max(ends, default=self._start)
+        self.started_ns: int = start or min(times, default=0)
+        self._end = max(ends, default=self.started_ns)
 
     def __repr__(self) -> str:
         cut = "" if self.complete else ", cut off"
@@ -106,14 +107,9 @@ class RecordedRun:
         return f"<RecordedRun {self.path.name}, {self.duration:.1f} s, {count} messages{cut}>"
 
     @property
-    def started_ns(self) -> int:
-        """Its begin, in nanoseconds since 1970; the times of its messages count from there."""
-        return self._start
-
-    @property
     def duration(self) -> float:
         """Seconds from its begin to its last message."""
-        return (self._end - self._start) * 1e-9
+        return (self._end - self.started_ns) * 1e-9
 
     @cached_property
     def topics(self) -> dict[str, int]:
@@ -136,7 +132,7 @@ class RecordedRun:
         for message in chosen:
             yield RecordedMessage(
                 message.channel.topic,
-                (message.time_ns - self._start) * 1e-9,
+                (message.time_ns - self.started_ns) * 1e-9,
                 message.time_ns,
                 _decoded(message),
             )
@@ -163,7 +159,7 @@ class RecordedRun:
             raise ParameterError("topic", topic, f"a channel of this recording: {there}")
         messages = self._messages[topic]
         # differences first: the times themselves may be beyond 64 bits with a sign
-        times = np.array([float(message.time_ns - self._start) for message in messages])
+        times = np.array([float(message.time_ns - self.started_ns) for message in messages])
         rows = [dict(_flat(_decoded(message))) for message in messages]
         names = dict.fromkeys(name for row in rows for name in row)
         return {

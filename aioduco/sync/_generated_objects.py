@@ -299,6 +299,11 @@ class GripperCalls(Block):
 
     _made: AioPolledGripper
 
+    @property
+    def model(self) -> GripperModel:
+        """Its stroke, forces and speeds."""
+        return self._made.model
+
     def activate(self) -> None:
         """Make the gripper ready; if the gripper is always ready, only read its state.
 
@@ -306,11 +311,6 @@ class GripperCalls(Block):
             GripperTimeout: the gripper did not become ready.
         """
         self._call(self._made.activate())
-
-    @property
-    def model(self) -> GripperModel:
-        """Its stroke, forces and speeds."""
-        return self._made.model
 
     @property
     def state(self) -> GripperState:

@@ -155,7 +155,7 @@ def test_who_waits_for_a_motion_that_may_blend_is_answered_in_time(ready: Bench)
     first = move()
     ready.until(lambda: tasks.answer(first).ended)
     assert (tasks.answer(first), state(ready, first)) == (TaskState.INTERRUPT, TaskState.RUNNING)
-    assert controller.motion.progress == pytest.approx(0.5)
+    assert controller.motion.mover.progress == pytest.approx(0.5)
     second = move(blends=False)
     assert (ready.ended(first), ready.ended(second)) == (5, 4)
     assert tasks.answer(second) is TaskState.FINISHED

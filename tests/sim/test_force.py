@@ -405,7 +405,7 @@ def test_fc_move_goes_on_until_it_is_stopped() -> None:
     assert bench.controller.moving
     assert bench.ended(bench.controller.stop()) == TaskState.FINISHED
     assert bench.controller.tasks.state(id_) is TaskState.STOPPED
-    assert bench.controller.force.active
+    assert bench.controller.force.control.active
 
 
 def test_conditions_end_the_motion_and_skip_those_behind_it() -> None:
@@ -464,14 +464,14 @@ def test_fc_stop_while_a_motion_runs_is_a_fault() -> None:
     assert bench.ended(motion) == TaskState.ERROR
     bench.tick(10)
     assert bench.controller.safety is SafetyState.STOP2
-    assert not bench.controller.force.active
+    assert not bench.controller.force.control.active
     assert any("fc_stop" in error for error in bench.controller.view().errors)
 
 
 def test_without_power_force_control_is_off() -> None:
     bench = started()
     bench.power("disable").tick()
-    assert not bench.controller.force.active
+    assert not bench.controller.force.control.active
     bench.enabled()
     assert not bench.controller.view().force_control
 
@@ -495,7 +495,7 @@ def test_the_emergency_stop_of_the_guard_cuts_the_power() -> None:
     assert bench.controller.safety is SafetyState.STOP0
     assert bench.ended(id_) == TaskState.ERROR
     bench.tick()
-    assert not bench.controller.force.active
+    assert not bench.controller.force.control.active
 
 
 def test_what_comes_while_force_control_ends_waits() -> None:
@@ -516,4 +516,4 @@ def test_the_sensor_is_tared_also_without_power() -> None:
     bench.tick()
     force = bench.controller.force
     assert bench.ended(force.tare(ALL, (0.0,) * 6)) == TaskState.FINISHED
-    assert force.sensor.reading(bench.wrench) == pytest.approx([0.0] * 6)
+    assert force.control.sensor.reading(bench.wrench) == pytest.approx([0.0] * 6)

@@ -93,7 +93,7 @@ class DhGripper(ModbusGripper):
         self._seen_moving |= moving or at > self._sent_at + _SETTLED
         stale = not self._seen_moving
         caught = found.grip is registers.DhGrip.CAUGHT
-        width = found.position / registers.OPEN * self._model.stroke
+        width = found.position / registers.OPEN * self.model.stroke
         return GripperState(width, caught and not stale, moving or stale, at)
 
     async def _go(self, width: float, speed: float, force: float) -> None:
@@ -103,10 +103,10 @@ class DhGripper(ModbusGripper):
                 "was moved"
             )
         write = self._modbus.write_register
-        await write(registers.FORCE, _hundredths(force, self._model.force, _FORCES))
-        if self._model.speed is not None:
-            await write(registers.SPEED, _hundredths(speed, self._model.speed, _SPEEDS))
-        await self._send(round(width / self._model.stroke * registers.OPEN))
+        await write(registers.FORCE, _hundredths(force, self.model.force, _FORCES))
+        if self.model.speed is not None:
+            await write(registers.SPEED, _hundredths(speed, self.model.speed, _SPEEDS))
+        await self._send(round(width / self.model.stroke * registers.OPEN))
 
     async def _send(self, position: int) -> None:
         self._seen_moving, self._sent_at = False, time.monotonic()

@@ -133,18 +133,18 @@ class DigitalGripper(OutputGripper):
         self, on: dict[int | str, bool], holding: bool | None, *, moving: bool
     ) -> float | None:
         if self._opened and on[self._opened]:
-            return self._model.stroke
+            return self.model.stroke
         if self._shut and on[self._shut]:
             return 0.0
         if self._closed is None or moving or (self._closed and holding is not False):
             return None
-        return 0.0 if self._closed else self._model.stroke
+        return 0.0 if self._closed else self.model.stroke
 
     async def _go(self, width: float, speed: float, force: float) -> None:
         del speed, force
-        if width not in (0.0, self._model.stroke):
+        if width not in (0.0, self.model.stroke):
             raise ParameterError(
-                "width", width, f"0 or {self._model.stroke:g} m: it has no positions between"
+                "width", width, f"0 or {self.model.stroke:g} m: it has no positions between"
             )
         closing = width == 0.0
         close, opening = self._outputs

@@ -91,6 +91,9 @@ class PolledGripper(Uncopied, ABC):
 
     Raises:
         ParameterError: a time is out of range.
+
+    Attributes:
+        model: its stroke, forces and speeds.
     """
 
     #: what `_halt` has done, for errors
@@ -104,7 +107,8 @@ class PolledGripper(Uncopied, ABC):
         timeout: float = 10.0,
         max_age: float = 1.0,
     ) -> None:
-        self._model = model = _checked(model)
+        model = _checked(model)
+        self.model: GripperModel = model
         self._poll = ranges.TIMEOUT("poll", poll)
         self._timeout = ranges.TIMEOUT("timeout", timeout)
         self._max_age = ranges.TIMEOUT("max_age", max_age)
@@ -122,11 +126,11 @@ class PolledGripper(Uncopied, ABC):
         self._failure: Exception | None = None
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__} {self._model.title}>"
+        return f"<{type(self).__name__} {self.model.title}>"
 
     def __str__(self) -> str:
         """As errors call it."""
-        return f"the {self._model.title}"
+        return f"the {self.model.title}"
 
     # -- what a driver implements ---------------------------------------------------------------
 
@@ -167,7 +171,7 @@ class PolledGripper(Uncopied, ABC):
         except BaseException:
             self._started = False
             raise
-        name = f"aioduco gripper {self._model.name}"
+        name = f"aioduco gripper {self.model.name}"
         self._background.start(self._watch(), name)
         self._background.start(self._watch_age(), f"{name} age")
         return self
@@ -212,11 +216,6 @@ class PolledGripper(Uncopied, ABC):
     # -- interface for programs -----------------------------------------------------------------
 
     @property
-    def model(self) -> GripperModel:
-        """Its stroke, forces and speeds."""
-        return self._model
-
-    @property
     def state(self) -> GripperState:
         """The state that was read last; this takes no time.
 
@@ -255,7 +254,7 @@ class PolledGripper(Uncopied, ABC):
 
     async def open(self, *, speed: float | None = None, force: float | None = None) -> GripperState:
         """Open as far as it goes; as `move`."""
-        return await self.move(self._model.stroke, speed=speed, force=force)
+        return await self.move(self.model.stroke, speed=speed, force=force)
 
     async def close(
         self, *, speed: float | None = None, force: float | None = None
@@ -289,9 +288,9 @@ class PolledGripper(Uncopied, ABC):
             ModbusGarbled: an answer has a wrong checksum, or is not valid.
         """
         width_ = self._width("width", width)
-        low, high = self._model.force
+        low, high = self.model.force
         force_ = 0.5 * (low + high) if force is None else self._force("force", force)
-        speed_ = 0.5 * self._model.fastest
+        speed_ = 0.5 * self.model.fastest
         if speed is not None:
             if self._speed is None:
                 self._cannot("speed", speed)
@@ -311,7 +310,7 @@ class PolledGripper(Uncopied, ABC):
                 yield
 
     def _cannot(self, name: str, value: float) -> None:
-        raise ParameterError(name, value, f"None: that of a {self._model.title} cannot be set")
+        raise ParameterError(name, value, f"None: that of a {self.model.title} cannot be set")
 
     async def _carry_out(self, width: float, speed: float, force: float) -> GripperState:
         self._held = self._lost = False

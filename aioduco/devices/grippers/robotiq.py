@@ -129,17 +129,17 @@ class Robotiq(ModbusGripper):
     def _width_of(self, count: int) -> float:
         opened, closed = self._counts
         part = (closed - count) / (closed - opened)
-        return min(max(part, 0.0), 1.0) * self._model.stroke
+        return min(max(part, 0.0), 1.0) * self.model.stroke
 
     def _count_of(self, width: float) -> int:
         # At the ends of the stroke, send the ends of the register's range: so the fingers press,
         # and reach their stop.
         if width <= 0.0:
             return 0xFF
-        if width >= self._model.stroke:
+        if width >= self.model.stroke:
             return 0
         opened, closed = self._counts
-        return round(closed - width / self._model.stroke * (closed - opened))
+        return round(closed - width / self.model.stroke * (closed - opened))
 
     async def _go(self, width: float, speed: float, force: float) -> None:
         if (await self.status()).activation is not registers.Activation.ACTIVE:
@@ -149,8 +149,8 @@ class Robotiq(ModbusGripper):
             )
         words = registers.request(
             self._count_of(width),
-            _byte(speed, self._model.speed or (0.0, self._model.fastest)),
-            _byte(force, self._model.force),
+            _byte(speed, self.model.speed or (0.0, self.model.fastest)),
+            _byte(force, self.model.force),
         )
         await self._send(words)
 

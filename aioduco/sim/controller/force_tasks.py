@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from aioduco.sim.controller.motion_queue import MotionQueue
     from aioduco.sim.cycle import SensedState
     from aioduco.sim.force.control import ForceControl, ForceOutcome
-    from aioduco.sim.force.sensor import ForceSensor
     from aioduco.sim.planner.path import JointSetPoint
 
 
@@ -52,16 +51,6 @@ class ForceTasks:
         self._closing: list[int] = []
         self._disturbed = False
         self._alarm = ""
-
-    @property
-    def active(self) -> bool:
-        """Whether force control is on."""
-        return self.control.active
-
-    @property
-    def sensor(self) -> ForceSensor:
-        """How the controller interprets the signal of the force sensor."""
-        return self.control.sensor
 
     @property
     def moving(self) -> bool:
@@ -129,8 +118,8 @@ class ForceTasks:
                 TaskState.ERROR if late else TaskState.INTERRUPT,
                 f"skipped: the conditions of fc_wait_logic {why}",
             )
-        if self._motion.phase is MotionPhase.IDLE and control.shifted:
-            self._motion.reset(control.setpoint.q)
+        if self._motion.phase is MotionPhase.IDLE and control.offset.shifted:
+            self._motion.reset(control.offset.setpoint.q)
             control.drop_offset()
         return None
 

@@ -15,7 +15,7 @@ from aioduco.sim.controller.triggers import MotionTriggers, Triggers
 from aioduco.sim.planner.path import JointSetPoint, PlanError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable
 
     from aioduco.models.rotation import Array
     from aioduco.sim.planner.follower import FollowError, TargetFollower
@@ -107,7 +107,7 @@ class MotionQueue:
     def __init__(self, tasks: TaskTable, mover: Callable[[Array], Mover], q: Array) -> None:
         self._tasks = tasks
         self._make = mover
-        self._mover = mover(q)
+        self.mover: Mover = mover(q)
         self._speed = 1.0
         self._queue: dict[int, None] = {}
         self.phase: MotionPhase = _IDLE
@@ -133,12 +133,7 @@ class MotionQueue:
     @property
     def moving(self) -> bool:
         """Whether the set-points move."""
-        return self._mover.moving if self._follower is None else self._follower.moving
-
-    @property
-    def axes(self) -> Mapping[int, float]:
-        """Set-points of external axes by number [rad or m], for those that motions have moved."""
-        return self._mover.axes
+        return self.mover.moving if self._follower is None else self._follower.moving
 
     @property
     def following(self) -> Following | None:
@@ -167,14 +162,9 @@ class MotionQueue:
         return len(self._queue)
 
     @property
-    def progress(self) -> float:
-        """Progress of the running motion along its path, 0 to 1."""
-        return self._mover.progress
-
-    @property
     def setpoint(self) -> JointSetPoint:
         """The latest set-point."""
-        return self._mover.setpoint if self._follower is None else self._follower.setpoint
+        return self.mover.setpoint if self._follower is None else self._follower.setpoint
 
     def reset(self, q: Array) -> None:
         """Restart at q [rad], where brakes have held the arm. The queue must be empty."""
@@ -186,13 +176,13 @@ class MotionQueue:
     def _leave(self, q: Array) -> None:
         """Drop the follower, and restart the mover at q [rad], where the arm stands."""
         self._follower = self._following = None
-        self._mover = self._make(q)
-        self._mover.set_speed(self._speed)
+        self.mover = self._make(q)
+        self.mover.set_speed(self._speed)
 
     def set_speed(self, fraction: float) -> None:
         """Set the global speed, 0.01 to 1."""
         self._speed = fraction
-        self._mover.set_speed(fraction)
+        self.mover.set_speed(fraction)
         if self._follower is not None:
             self._follower.set_speed(fraction)
 
@@ -230,14 +220,14 @@ class MotionQueue:
             return segment
 
         try:
-            self._mover.append(id_, checked)
+            self.mover.append(id_, checked)
         except PlanError:
             self._at_standstill()
 
     @property
     def time_left(self) -> float:
         """Time until the running motion is at its end [s]; 0.0 if unknown."""
-        return 0.0 if self._follower is not None else self._mover.time_left
+        return 0.0 if self._follower is not None else self.mover.time_left
 
     def awaits_plan(self, id_: int) -> bool:
         """Whether a motion still waits for its plan."""
@@ -248,7 +238,7 @@ class MotionQueue:
         if not self.unplanned:
             return None
         id_, plan = self.unplanned[0]
-        self.planning = Planning(id_, self._mover.draft(id_, plan))
+        self.planning = Planning(id_, self.mover.draft(id_, plan))
         return self.planning
 
     def take_plan(self, planning: Planning, came: Drafted | PlanError) -> None:
@@ -259,7 +249,7 @@ class MotionQueue:
         if isinstance(came, PlanError):
             self._fail(planning.id, came)
             self._at_standstill()
-        elif self._mover.take(came):  # else its inputs have changed: it is planned again
+        elif self.mover.take(came):  # else its inputs have changed: it is planned again
             self.unplanned.popleft()
             if came.segment.radius > 0.0:
                 self.blending[planning.id] = None
@@ -279,8 +269,8 @@ class MotionQueue:
         if self.phase is not MotionPhase.RUNNING:
             return
         if part > 0:
-            running = self._mover.active if self._follower is None else None
-            if running not in self.blending or self.progress < part / 100.0:
+            running = self.mover.active if self._follower is None else None
+            if running not in self.blending or self.mover.progress < part / 100.0:
                 return
             passed = [running]
         else:
@@ -346,7 +336,7 @@ class MotionQueue:
         self.phase = MotionPhase.STOPPING
         self._behind.clear()
         self._drop_plans()
-        self._mover.stop()
+        self.mover.stop()
         if self._follower is not None:
             self._follower.stop()
         self._at_standstill()
@@ -380,7 +370,7 @@ class MotionQueue:
         self._await_rest(control)
         if self.phase is MotionPhase.RUNNING:
             self.phase = MotionPhase.PAUSING
-            self._mover.pause()
+            self.mover.pause()
             if self._follower is not None:
                 self._follower.pause()
         self._at_standstill()
@@ -390,7 +380,7 @@ class MotionQueue:
         if self.phase not in (MotionPhase.PAUSING, MotionPhase.PAUSED):
             return
         self.phase = MotionPhase.RUNNING
-        self._mover.resume()
+        self.mover.resume()
         if self._follower is not None:
             self._follower.resume()
         for id_ in self._queue:
@@ -410,7 +400,7 @@ class MotionQueue:
         self._at_rest, self._time = at_rest, time
         if self._follower is not None:
             return self._tick_follower(self._follower, q, qd)
-        mover = self._mover
+        mover = self.mover
         tick = mover.tick()
         for key, event in tick.events:
             self._note(key, event)
@@ -462,7 +452,7 @@ class MotionQueue:
 
     def _begin(self, id_: int, following: Following) -> None:
         try:
-            follower = following.make(self._mover.setpoint.q)
+            follower = following.make(self.mover.setpoint.q)
             following.aim(follower)
         except PlanError as exc:
             self._fail(id_, exc)
@@ -488,8 +478,8 @@ class MotionQueue:
             return
         if not self._queue and self.phase is not MotionPhase.STOPPING:
             self.phase = _IDLE
-            if self._mover.paused:  # all paused motions have ended
-                self._mover.resume()
+            if self.mover.paused:  # all paused motions have ended
+                self.mover.resume()
         if not self._at_rest:
             return
         if self.phase is MotionPhase.STOPPING:

@@ -257,8 +257,8 @@ class Controller:
             self._speed,
             self.frames.tool(),
             self.frames.wobj(),
-            self.force.active,
-            self.force.sensor,
+            self.force.control.active,
+            self.force.control.sensor,
             not self.moving,
             self._simulation is not None,
         )
@@ -403,7 +403,7 @@ class Controller:
         if on:
             self._simulation = _Simulation(
                 JointSetPoint.at_rest(self.sensed.q),
-                self.force.sensor.bare,
+                self.force.control.sensor.bare,
                 dict(self.external_axes.positions),
             )
             return self.finish("simulation")
@@ -487,7 +487,7 @@ class Controller:
         self.collisions.axis = joint
         known = touched and f" (simulator: {touched})"
         self.fault(SafetyState.STOP2, f"Joint {joint} 检测到碰撞{known}")
-        if not self.force.active:  # which has moved the set-points away from the motions'
+        if not self.force.control.active:  # which has moved the set-points away from the motions'
             self.motion.yield_to(self.sensed.q)
 
     def reset_collision(self) -> None:
@@ -511,7 +511,7 @@ class Controller:
             return self._tick(sensed)
         arm = simulation.arm
         known = sensed._replace(q=arm.q, qd=arm.qd, wrench=_ZEROS, external=_ZEROS)
-        weight = self.force.sensor.weight(self.force.control.turn(known))
+        weight = self.force.control.sensor.weight(self.force.control.turn(known))
         drive = self._tick(known._replace(wrench=np.add(simulation.bare, weight)))
         if self._simulation is simulation:
             self._simulation = simulation._replace(arm=drive.setpoint)
@@ -568,7 +568,7 @@ class Controller:
         """What goes on beside the motions: calls that are answered ahead, and external axes."""
         if self.motion.blending:
             self.motion.read_ahead(*self.read_ahead)
-        self.external_axes.follow(self.motion.axes, time)
+        self.external_axes.follow(self.motion.mover.axes, time)
 
     def _change_power(self, time: float) -> None:
         safe, standing = self._safety.safe, not self.moving
@@ -586,7 +586,7 @@ class Controller:
             return "motions are under way or wait"
         if self._execution.active:
             return "a program runs or waits"
-        if self.force.active:
+        if self.force.control.active:
             return "force control is on"
         return ""
 

@@ -134,7 +134,7 @@ class ForceControl:
         self.conditions: Conditions = Conditions()
         self._arm = arm
         self._cycle = cycle
-        self._offset = FlangeOffset(arm, cycle)
+        self.offset: FlangeOffset = FlangeOffset(arm, cycle)
         self._twist: Sequence[float] = _NOTHING
         #: whether the joints could not follow: they then slow down and stand until a new start
         self.failed: bool = False
@@ -143,23 +143,13 @@ class ForceControl:
     def moving(self) -> bool:
         """Whether a force moves the drives' set-points, or the joints slow down after a failure."""
         if self.failed:
-            return bool(self._offset.setpoint.qd.any())
+            return bool(self.offset.setpoint.qd.any())
         return self._twist is not _NOTHING
-
-    @property
-    def setpoint(self) -> JointSetPoint:
-        """The latest set-point of the drives."""
-        return self._offset.setpoint
 
     @property
     def axes(self) -> ForceAxes:
         """The axes of fc_config; before it was called, those of the flange and the base."""
         return _PLAIN if self.law is None else self.law.axes
-
-    @property
-    def shifted(self) -> bool:
-        """Whether the drives' set-points differ from those of the motions."""
-        return self._offset.shifted
 
     def turn(self, sensed: SensedState) -> Array:
         """Give the flange's rotation in the base frame. Shape (3, 3)."""
@@ -169,7 +159,7 @@ class ForceControl:
         """Begin at the set-point of the motions."""
         self.active, self.failed = True, False
         self._twist = _NOTHING
-        self._offset.begin(setpoint)
+        self.offset.begin(setpoint)
 
     def end(self) -> None:
         """End; the motions have to restart from where the arm is."""
@@ -180,7 +170,7 @@ class ForceControl:
     def drop_offset(self) -> None:
         """Drop the offset, as the motions restart where the arm is; a decaying motion continues."""
         self.failed = False
-        self._offset.drop_offset()
+        self.offset.drop_offset()
 
     def tick(
         self, setpoint: JointSetPoint, sensed: SensedState, *, compliant: bool
@@ -192,19 +182,19 @@ class ForceControl:
             sensed: state of the arm as the controller measures it.
             compliant: whether the arm gives way to forces, which it does only while a motion runs.
         """
-        flange = self._offset.flange
+        flange = self.offset.flange
         external = self.sensor.external(sensed.wrench, flange)
         if message := self._guarded(sensed, external):
-            return self._offset.setpoint, ForceOutcome("guard", message)
+            return self.offset.setpoint, ForceOutcome("guard", message)
         if self.failed:
-            return self._offset.slow_down(), None
+            return self.offset.slow_down(), None
         self._give_way(external, compliant=compliant)
         try:
-            drives = self._offset.apply(setpoint)
+            drives = self.offset.apply(setpoint)
         except OutOfReach as exc:
             self.failed = True
             self._twist = _NOTHING
-            return self._offset.slow_down(), ForceOutcome("failed", str(exc))
+            return self.offset.slow_down(), ForceOutcome("failed", str(exc))
         return drives, self._judge(sensed, running=compliant)
 
     def measure(self, quantity: Quantity, sensed: SensedState) -> list[float]:
@@ -234,7 +224,7 @@ class ForceControl:
         if guard is None:
             return ""
         force = self.sensor.felt(sensed.wrench) if guard.with_load else external
-        return guard.exceeded(guard.axes.seen(force, self._offset.flange))
+        return guard.exceeded(guard.axes.seen(force, self.offset.flange))
 
     def _judge(self, sensed: SensedState, *, running: bool) -> ForceOutcome | None:
         if not running or self.conditions.verdict is not None:
@@ -248,7 +238,7 @@ class ForceControl:
 
     def _give_way(self, external: list[float], *, compliant: bool) -> None:
         """Move the offset at the speed that the force demands, with the lag of a light mass."""
-        law, flange = self.law, self._offset.flange
+        law, flange = self.law, self.offset.flange
         wanted: Sequence[float] = _NOTHING
         if compliant and law is not None:
             speeds = law.speed(law.axes.seen(external, flange))
@@ -266,7 +256,7 @@ class ForceControl:
                 self._twist = _NOTHING
                 return
         self._twist = self._approach(wanted)
-        self._offset.move(self._twist, self.axes.tip)
+        self.offset.move(self._twist, self.axes.tip)
 
     def _approach(self, wanted: Sequence[float]) -> list[float]:
         share = self._cycle / (self._cycle + _LAG)

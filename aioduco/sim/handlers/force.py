@@ -77,7 +77,7 @@ class ForceHandlers(HandlerSection):
     @task()
     def fc_move(self, controller: Controller) -> int:
         """仅基于末端力控产生的补偿运动."""
-        if not controller.force.active:
+        if not controller.force.control.active:
             raise illegal("force control is off: call fc_start first")
         following = Following.behind(FC_MOVE, lambda q: StandingFollower(self._arm, q, self._cycle))
         return controller.follow(FC_MOVE, following)

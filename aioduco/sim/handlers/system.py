@@ -85,7 +85,7 @@ class SystemHandlers(HandlerSection):
                 make,
                 controller.tasks,
                 ahead=lambda: controller.read_ahead,
-                progress=lambda: controller.motion.progress,
+                progress=lambda: controller.motion.mover.progress,
             )
             return controller.run_program(steps)
 
