@@ -247,6 +247,8 @@ class ArmNode:
         async with anyio.create_task_group() as tasks:
             for part in (self.goals, self.commands, self.twists, self.freedrive):
                 tasks.start_soon(part.run)
+            for streamed in (self.commands, self.twists, self.freedrive):
+                tasks.start_soon(streamed.watch)
             for publish in (
                 *(self._publish_joints, self._publish_progress, self._publish_states),
                 *(self._watch_speed, self._diagnose),

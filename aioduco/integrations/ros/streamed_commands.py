@@ -1,7 +1,8 @@
 """When commands that arrive as a stream may be followed: of joints, of speeds, for hand guiding.
 
 Guarantee: after a stop, further commands are ignored. They are followed again only after they have
-ceased, or after the arm was brought up or recovered.
+ceased, or after the arm was brought up or recovered. Time in which the driver itself stood still is
+no time in which they ceased.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import anyio
 
 from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import DucoError
+from aioduco.supervision.concurrency import Silence, every
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
     from aioduco import Robot, WorkerOptions
 
 
+_LOOK = 0.1  # seconds between two checks at most whether commands have ceased
 _AGAIN = 2.0  # seconds before a warning of the same kind is logged again
 _log = BackgroundLogger(__name__)
 
@@ -53,10 +56,19 @@ class StreamedCommands:
         self._options = options
         self.following: bool = False
         self._came = -math.inf
+        self._ceased = True
         self._blocked = False
         self._changed = anyio.Event()
         self._log = log
         self._said: dict[str, float] = {}
+
+    async def watch(self) -> None:
+        """Notice when commands have ceased, until this is cancelled."""
+        period = min(_LOOK, self._timeout / 4.0)
+        silence = Silence(period)
+        async for _ in every(period):
+            if silence.look(anyio.current_time(), self._came) > self._timeout:
+                self._ceased, self._blocked = True, False
 
     def _opened(self) -> None:
         """Note that the stream is open."""
@@ -72,21 +84,18 @@ class StreamedCommands:
 
     def ignore(self) -> None:
         """Ignore the commands that arrive at present: the arm is stopped or paused."""
-        if anyio.current_time() - self._came <= self._timeout:
+        if not self._ceased:
             self._block()
 
     def _block(self) -> None:
         """Ignore commands until they cease, those that are not followed yet, too."""
+        self._note_command()
         self._blocked = True
-        self._came = anyio.current_time()  # time in which this driver stood still does not count
 
     def _note_command(self) -> float:
         """Note that a command has come; return when [s]."""
-        now = anyio.current_time()
-        if now - self._came > self._timeout:
-            self._blocked = False
-        self._came = now
-        return now
+        self._came, self._ceased = anyio.current_time(), False
+        return self._came
 
     def _warn(self, kind: str, text: str, *values: object) -> None:
         """Log a warning that may come with every message, unless one of its kind was just now."""

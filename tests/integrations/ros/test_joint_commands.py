@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+import time
 from collections.abc import AsyncIterator, Callable, Iterator
 from typing import Any
 
@@ -97,7 +98,7 @@ async def test_a_stop_is_not_undone_by_what_is_followed_only_later(
 
 
 async def test_a_driver_that_stood_still_takes_that_for_no_end_of_the_commands() -> None:
-    """Its stream has ended meanwhile, and the commands have gone on."""
+    """They have gone on meanwhile, and wait to be read."""
     robot: Any = None
     given: dict[str, Any] = {"busy": lambda: False, "options": None, "timeout": 0.5}
     joints = JointCommands(robot, PROFILE, rate=100.0, hold=False, reach=0.1, **given)
@@ -107,12 +108,23 @@ async def test_a_driver_that_stood_still_takes_that_for_no_end_of_the_commands()
         (twists, lambda: twists.take((0.0,) * 6)),
     ]
     for commands, take in taken:
-        assert take()
-        commands._came -= 5.0  # frozen so long
-        commands._block()
-        assert not take()
-        commands._came -= 0.6  # and not frozen
-        assert take()
+        async with beside(commands.watch()):
+            assert take()
+            stand_still()
+            await anyio.wait_all_tasks_blocked()
+            commands.ignore()
+            assert not take()
+            stand_still()
+            await anyio.wait_all_tasks_blocked()
+            assert not take()
+            await eventually_async(lambda commands=commands: commands._ceased)
+            commands.ignore()
+            assert take()
+
+
+def stand_still() -> None:
+    """As a driver that computes, or whose computer is busy."""
+    time.sleep(0.7)
 
 
 @pytest.mark.slow
