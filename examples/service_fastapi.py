@@ -74,11 +74,13 @@ def service(host: str, port: int = 7003) -> FastAPI:
         if wanted.to not in PLACES:
             raise HTTPException(404, f"there is no place {wanted.to!r}: {', '.join(PLACES)}")
         try:
-            async with starting:
-                if here["robot"].tasks:
-                    raise HTTPException(409, "the arm is busy; stop it, or ask again")
-                motion = here["robot"].motion.movej2(PLACES[wanted.to], v=wanted.v, a=1.5)
-                last.append(task := await motion.start())
+            # a stop also ends what waits here for its turn
+            with here["robot"].permit("the motion"):
+                async with starting:
+                    if here["robot"].tasks:
+                        raise HTTPException(409, "the arm is busy; stop it, or ask again")
+                    motion = here["robot"].motion.movej2(PLACES[wanted.to], v=wanted.v, a=1.5)
+                    last.append(task := await motion.start())
         except aioduco.ParameterError as error:
             raise HTTPException(422, str(error)) from error
         except aioduco.DucoError as error:

@@ -13,13 +13,14 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
+import anyio
 import pytest
 from example_modules import example
 from ports import free_port
 
 import aioduco
 from aioduco.sim import Simulator
-from aioduco.testing import eventually, eventually_async
+from aioduco.testing import FaultProxy, HalfOpen, eventually, eventually_async
 
 FAR = [1.5, -0.2, 1.4, 0.0, -1.5, 0.0]
 
@@ -73,6 +74,28 @@ def test_a_web_service_starts_one_of_several_motions_that_are_asked_for_at_once(
         with ThreadPoolExecutor(6) as threads:
             answers = list(threads.map(move, ["left", "right", "home"] * 2))
     assert sorted(answers) == [202, *[409] * 5]
+
+
+async def test_a_web_service_starts_nothing_that_was_asked_for_before_a_stop(
+    sim: Simulator,
+) -> None:
+    need("fastapi")
+    httpx = need("httpx")
+    with FaultProxy(sim.host, sim.port) as proxy:
+        app = example("service_fastapi").service(proxy.host, proxy.port)
+        client = httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://arm")
+        async with app.router.lifespan_context(app), client:
+            proxy.on("movej2", HalfOpen(seconds=0.5))
+            moves = []
+            for to in ("left", "right"):  # the second one waits for the first one
+                moves.append(asyncio.create_task(client.post("/move", json={"to": to})))
+                await eventually_async(lambda: proxy.calls("movej2"))
+                await anyio.wait_all_tasks_blocked()
+            assert (await client.post("/stop")).json() == {"arm": "stands"}
+            answers = [(await move).status_code for move in moves]
+            assert answers == [503, 503]
+            assert len(proxy.calls("movej2")) == 1
+            assert not sim.view.moving
 
 
 async def test_an_opc_ua_client_moves_and_stops_it(robot: aioduco.Robot, sim: Simulator) -> None:
