@@ -40,6 +40,8 @@ class CallDriver(Driver):
         self._point = Point(connection, self._name, args, self._timeout, permit.require)
         self._ahead: tuple[float, ...] | None = None
         self._numbers = TaskNumbers()
+        self._period = round(1e9 / block.config.feeding.rate)
+        self._stepped = time.monotonic_ns()
 
     def tick(self, hurry: bool) -> bool:
         """Do the work of one tick; returns whether there is another one.
@@ -51,7 +53,7 @@ class CallDriver(Driver):
         values, self._ahead = self._ahead, None
         if values is None:
             feed.begin()
-            values = feed.step()
+            values = self._step()
         if values is not None:
             values = feed.wire(values)
             start = time.monotonic_ns()
@@ -84,7 +86,11 @@ class CallDriver(Driver):
         return False
 
     def _look_ahead(self) -> None:
-        self._ahead = self._feed.step()
+        self._ahead = self._step()
+
+    def _step(self) -> tuple[float, ...] | None:
+        before, self._stepped = self._stepped, time.monotonic_ns()
+        return self._feed.step(max(1, (self._stepped - before) // self._period))
 
     def end(self, reason: Reason, text: str = "") -> None:
         """Send nothing more."""

@@ -360,21 +360,26 @@ class SpeedGenerator:
         """Take a new speed, to be reached as soon as the limits allow it."""
         self._target = target
 
-    def step(self) -> Config:
-        """Advance by one tick, or brake before the envelope; returns the speed."""
-        before, config = self.config, self._advance()
+    def step(self, passed: int = 1) -> Config:
+        """Advance, or brake before the envelope; returns the speed.
+
+        Args:
+            passed: number of ticks that have passed, missed ones included: a speed changes with
+                time, and not with the calls that a slow connection allows.
+        """
+        before, config = self.config, self._advance(passed)
         if self._allowed is None:
             return config
         share = self._allowed(config)
         if share is None:
             self.config = before
-            return self.brake()
+            return self.brake(passed)
         if share < 1.0:
             self.config = tuple([share * each for each in config])
             self.limited += 1
         return self.config
 
-    def _advance(self) -> Config:
+    def _advance(self, passed: int) -> Config:
         if self.config == self._target:
             return self.config
         new: list[float] = []
@@ -382,7 +387,7 @@ class SpeedGenerator:
             now = self.config[group]
             wanted = _at_most(list(self._target[group]), top)
             delta = [w - n for w, n in zip(wanted, now, strict=True)]
-            step = _at_most(delta, change * self._period)
+            step = _at_most(delta, change * self._period * passed)
             if step is delta:
                 new += wanted
             else:
@@ -391,10 +396,14 @@ class SpeedGenerator:
         self.limited += self.config != self._target
         return self.config
 
-    def brake(self) -> Config:
-        """Brake for one tick, so that all axes stop at the same time; returns the speed."""
+    def brake(self, passed: int = 1) -> Config:
+        """Brake for the ticks that have passed, so that all axes stop at the same time.
+
+        Returns:
+            The speed.
+        """
         self._target = _ZERO
-        share = _braked_share(self.config, self._rules, self._period)
+        share = _braked_share(self.config, self._rules, self._period * passed)
         self.config = tuple(r * share for r in self.config) if share else _ZERO
         return self.config
 

@@ -101,7 +101,7 @@ class PositionGenerator:
         """
         self._reference.aim(target, interval, duration)
 
-    def step(self) -> Config:
+    def step(self, passed: int = 1) -> Config:  # noqa: ARG002 - a place is one step further
         """Advance by one tick, or brake before the envelope; returns the set-point."""
         limiter, check = self._limiter, self._check
         if check is None:
@@ -119,7 +119,7 @@ class PositionGenerator:
         check.moved(config)
         return config
 
-    def brake(self) -> Config:
+    def brake(self, passed: int = 1) -> Config:  # noqa: ARG002 - as above
         """Brake for one tick within the limits and return the set-point."""
         config = self._limiter.brake()
         self._reference.reset(config)
@@ -186,11 +186,12 @@ class SetpointSource(Life):
         """Set what generates set-points to the targets; it starts at the arm's position."""
         self._generator = generator
 
-    def step(self, take: Callable[[], SetPoint | None]) -> Config | None:
+    def step(self, take: Callable[[], SetPoint | None], passed: int = 1) -> Config | None:
         """Advance by one tick.
 
         Args:
             take: returns the program's next set-point, if there is one.
+            passed: number of ticks that have passed since the last step, missed ones included.
 
         Returns:
             The point to send; None: nothing.
@@ -209,11 +210,11 @@ class SetpointSource(Life):
             case StreamState.WAITING | StreamState.ENDED:
                 return None
             case StreamState.DECELERATING:
-                config = generator.brake()
+                config = generator.brake(passed)
                 if generator.at_rest:
                     self.ended()
             case _:
-                config = generator.step()
+                config = generator.step(passed)
         return config
 
     def _follow(self, generator: Generator, take: Callable[[], SetPoint | None]) -> None:
@@ -427,9 +428,13 @@ class SetpointFeed:
         actual: list[float] = self._connection.call(name, tuple(args), self._timeout)
         return actual
 
-    def step(self) -> tuple[float, ...] | None:
-        """The next set-point for the controller; None if there is nothing to send."""
-        config = self.source.step(self._take)
+    def step(self, passed: int = 1) -> tuple[float, ...] | None:
+        """The next set-point for the controller; None if there is nothing to send.
+
+        Args:
+            passed: as for `SetpointSource.step`.
+        """
+        config = self.source.step(self._take, passed)
         if config is None:
             return None
         self._sent = self.values(config)
