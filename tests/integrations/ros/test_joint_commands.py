@@ -6,6 +6,7 @@ import contextlib
 import math
 import time
 from collections.abc import AsyncIterator, Callable, Iterator
+from functools import partial
 from typing import Any
 
 import anyio
@@ -117,7 +118,7 @@ async def test_a_driver_that_stood_still_takes_that_for_no_end_of_the_commands()
             stand_still()
             await anyio.wait_all_tasks_blocked()
             assert not take()
-            await eventually_async(lambda commands=commands: commands._ceased)
+            await eventually_async(partial(getattr, commands, "_ceased"))
             commands.ignore()
             assert take()
 
