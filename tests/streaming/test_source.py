@@ -127,17 +127,19 @@ def test_closing_before_the_first_set_point_ends_at_once() -> None:
     assert bench.given == [None]
 
 
-def test_speeds_brake_as_long_on_a_connection_on_which_ticks_are_missed() -> None:
+@pytest.mark.parametrize("speeds", [False, True], ids=["places", "speeds"])
+def test_braking_takes_as_long_on_a_slow_connection(speeds: bool) -> None:
     numbers = []
     for passed in (1, 5):
-        bench = Bench(speeds=True)
-        bench.step(*[0.095 * n for n in range(60)])
+        bench = Bench(speeds=speeds)
+        bench.step(*[(0.095 if speeds else 0.01) * n for n in range(60)])
         bench.source.brake(Reason.ABORTED)
         begun = len(bench.given)
         while bench.source.state is not StreamState.ENDED:
             bench.given.append(bench.source.step(bench.take, passed))
         numbers.append(len(bench.given) - begun)
-    assert numbers == [10, 2]
+    assert numbers[0] > 8
+    assert numbers[1] <= numbers[0] / 5 + 1
 
 
 def test_braking_takes_nothing_more_and_comes_to_rest_within_the_limits() -> None:

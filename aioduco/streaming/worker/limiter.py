@@ -156,9 +156,15 @@ class Limiter:
             self.config = self._space.moved(self.config, self._step)
         return self.config
 
-    def brake(self) -> Config:
-        """Brake for one tick, so that all axes stop at the same time; returns the set-point."""
-        share = _braked_share(self.velocity, self._rules, self._period)
+    def brake(self, passed: int = 1) -> Config:
+        """Brake for the ticks that have passed, so that all axes stop at the same time.
+
+        It is one step further all the same: an arm whose steps come late is that much slower.
+
+        Returns:
+            The set-point.
+        """
+        share = _braked_share(self.velocity, self._rules, self._period * passed)
         self._step = tuple(step * share for step in self._step)
         self.config = self._space.moved(self.config, self._step)
         self._target = self.config
@@ -282,13 +288,18 @@ class JerkLimiter:
             self.config = self._space.moved(self.config, tuple(moved))
         return self.config
 
-    def brake(self) -> Config:
-        """Brake for one tick within the limits; returns the set-point."""
+    def brake(self, passed: int = 1) -> Config:
+        """Brake for the ticks that have passed, within the limits, in one step.
+
+        Returns:
+            The set-point.
+        """
         if self.velocity == _ZERO and self._acceleration == _ZERO:
             return self.config
-        self._plan_rest()
-        self._one_tick()
-        self.velocity = tuple(self._output.new_velocity)
+        for _ in range(passed):
+            self._plan_rest()
+            self._one_tick()
+            self.velocity = tuple(self._output.new_velocity)
         if max(map(abs, self.velocity)) <= _MET > max(map(abs, self._acceleration)):
             self.velocity, self._acceleration = _ZERO, _ZERO
         self.config = self._space.moved(self.config, tuple(self._output.new_position))
@@ -364,8 +375,8 @@ class SpeedGenerator:
         """Advance, or brake before the envelope; returns the speed.
 
         Args:
-            passed: number of ticks that have passed, missed ones included: a speed changes with
-                time, and not with the calls that a slow connection allows.
+            passed: number of ticks that each call takes on a slow connection: a speed changes with
+                time, and not with the calls that are possible.
         """
         before, config = self.config, self._advance(passed)
         if self._allowed is None:

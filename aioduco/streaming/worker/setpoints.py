@@ -101,7 +101,7 @@ class PositionGenerator:
         """
         self._reference.aim(target, interval, duration)
 
-    def step(self, passed: int = 1) -> Config:  # noqa: ARG002 - a place is one step further
+    def step(self, passed: int = 1) -> Config:
         """Advance by one tick, or brake before the envelope; returns the set-point."""
         limiter, check = self._limiter, self._check
         if check is None:
@@ -114,14 +114,14 @@ class PositionGenerator:
         limiter.restore(snapshot)
         if found.action != "slow":
             check.crossed(found)
-            return self.brake()
-        config = limiter.brake()
+            return self.brake(passed)
+        config = limiter.brake(passed)
         check.moved(config)
         return config
 
-    def brake(self, passed: int = 1) -> Config:  # noqa: ARG002 - as above
-        """Brake for one tick within the limits and return the set-point."""
-        config = self._limiter.brake()
+    def brake(self, passed: int = 1) -> Config:
+        """Brake for the ticks that have passed, within the limits; returns the set-point."""
+        config = self._limiter.brake(passed)
         self._reference.reset(config)
         if self._check is not None:
             self._check.moved(config)
@@ -191,7 +191,7 @@ class SetpointSource(Life):
 
         Args:
             take: returns the program's next set-point, if there is one.
-            passed: number of ticks that have passed since the last step, missed ones included.
+            passed: number of ticks that each call takes on a slow connection.
 
         Returns:
             The point to send; None: nothing.
