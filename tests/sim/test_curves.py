@@ -169,18 +169,18 @@ def test_triggers_by_time_and_distance(
 @pytest.mark.slow
 def test_a_trigger_after_the_end(sim: Simulator, robot: Program) -> None:
     op = Op(time_or_dist_2=1, trig_time_2=-500, trig_io_2=101, trig_value_2=True)
-    last: list[float] = []  # time at which the set-points moved
+    last: list[float] = []  # time at which the set-points or the arm moved
 
     def is_set(snapshot: SimulationSnapshot) -> bool:
-        if snapshot.setpoint.qd.any():
+        if snapshot.setpoint.qd.any() or np.abs(snapshot.known.qd).max() > 2e-3:
             last.append(snapshot.time)
         return sim.signals.bool_out[1]
 
     with first_moment(sim, is_set) as set_at:
         assert line(robot, op, 0.02) == TaskState.FINISHED
-    # The motion has ended once the arm stands, too. To the cycle: a difference of two times is
-    # 0.5 but for its last bit.
-    assert 500 <= round((set_at[0].time - last[-1]) * 1000) < 600
+    # The motion has ended once the arm stands, too, for 20 ms: in some places it swings for longer.
+    # To the cycle: a difference of two times is 0.5 but for its last bit.
+    assert 500 <= round((set_at[0].time - last[-1]) * 1000) < 540
     later = Op(time_or_dist_2=2, trig_dist_2=-0.01, trig_io_2=7, trig_value_2=True)
     assert line(robot, later, 0.02) == TaskState.FINISHED
     assert not robot.get_standard_digital_out(7)

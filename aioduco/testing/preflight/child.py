@@ -149,14 +149,13 @@ class _Child:
     def _watch(self) -> None:
         """Check the program's progress, and end the program if it hangs."""
         patience = self.options["patience"]
-        looks, last, asleep = 0, -1.0, 0.0
+        looks, last = 0, -1.0
         while not self._over.wait(_LOOK):
-            now, since = self.clock.passed, self.recorder.progress
+            progress = self.recorder.progress
+            # what it waits for on purpose is no endless wait, and its patience begins afterwards
+            since = max(progress, self.clock.slept_until(progress + 0.1 * patience))
             looks, last = (0 if since != last else looks + 1), since
-            if self.clock.sleeps_since(since + 0.1 * patience):
-                looks, asleep = 0, now  # it sleeps on purpose, and its patience begins afterwards
-                continue
-            waited = now - max(since, asleep)
+            waited = self.clock.passed - since
             if not self._cell.simulator or waited < patience or looks * _LOOK < _AT_LEAST:
                 continue
             for where, text in self._waits():

@@ -18,6 +18,7 @@ import heapq
 import math
 import threading
 import time
+from collections import deque
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -33,6 +34,8 @@ STALL = 0.05
 _STEP = 0.2
 #: simulated seconds per real second while the program waits: more than any computer reaches
 _FAST = 1e5
+#: number of sleeps that are remembered, of those that last so long [s]
+_SLEEPS, _LONG = 100, 1.0
 #: time between two checks of a program that computes or does not wake up, by the wall clock [s]
 _LOOK = 0.02
 
@@ -88,6 +91,8 @@ class ProgramClock:
         self._calls = 0
         self._streams: list[Callable[[], bool]] = []
         self._timers: list[tuple[float, int, _Timer]] = []
+        #: when the last longer sleeps began and ended
+        self._slept: deque[tuple[float, float]] = deque(maxlen=_SLEEPS)
         self._count = 0
         self._let_go: Callable[[], None] | None = None
         self._held_at = math.inf
@@ -178,12 +183,18 @@ class ProgramClock:
         with self.waiting():
             over.wait()
 
-    def sleeps_since(self, passed: float) -> bool:
-        """Whether a timer that was created up to a time since the start [s] is still live."""
+    def slept_until(self, passed: float) -> float:
+        """When the last sleep ended that began up to a time since the start [s]; now if one is on.
+
+        Returns:
+            A time since the start [s]; 0 if there was none.
+        """
+        begun = passed + self._zero
         with self._state:
-            return any(
-                each.alive() and each.made - self._zero <= passed for *_, each in self._timers
-            )
+            if any(each.alive() and each.made <= begun for *_, each in self._timers):
+                return self.passed
+            ended = [ended for made, ended in self._slept if made <= begun]
+            return max(ended, default=self._zero) - self._zero
 
     @contextlib.contextmanager
     def waiting(self, timeout: float | None = None) -> Iterator[Wait]:
@@ -301,7 +312,10 @@ class ProgramClock:
     def _fire(self) -> bool:
         fired = False
         while self._next() <= self.now() + 1e-9:
-            heapq.heappop(self._timers)[2].fire()
+            timer = heapq.heappop(self._timers)[2]
+            if (now := self.now()) - timer.made >= _LONG:
+                self._slept.append((timer.made, now))
+            timer.fire()
             fired = True
         return fired
 
