@@ -137,6 +137,24 @@ def test_speeds_are_ramped_and_end_at_zero(
     assert before == (0.0,) * 6
 
 
+@pytest.mark.parametrize("kind", [Limiter, JerkLimiter])
+def test_braking_in_fewer_steps_is_no_longer_way(kind: Any) -> None:
+    """On a slow connection each step takes several ticks."""
+    numbers, ways = [], []
+    for passed in (1, 5):
+        limiter = kind(JOINT_SPACE, limits(JOINT_SPACE, 1.0, 2.0, 40.0), 0.01, (0.0,) * 6)
+        for n in range(200):
+            begun = limiter.follow((0.008 * n, *(0.0,) * 5))
+        numbers.append(0)
+        while not limiter.at_rest:
+            config = limiter.brake(passed)
+            numbers[-1] += 1
+        ways.append(config[0] - begun[0])
+        assert limiter.brake(passed) == config
+    assert numbers[1] <= numbers[0] / 5 + 2
+    assert 0.0 <= ways[1] <= ways[0]
+
+
 THREAD = WorkerOptions(run_in="thread")
 
 
