@@ -136,8 +136,8 @@ def _counted(kind: type[_Kind]) -> type[_Kind]:
 
     @functools.wraps(init)
     def checked(self: _Kind, *values: Any, **named: Any) -> None:
-        given = (*values, *named.values())
-        if len(given) != 6:
+        if len(values) + len(named) != 6:
+            given = (*values, *named.values())
             expected = kind._expected
             if len(given) == 1:
                 expected += f", one by one; {kind.__name__}.of takes a list, a tuple or an array"

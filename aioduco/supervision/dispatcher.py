@@ -24,7 +24,7 @@ import anyio.lowlevel
 from aioduco._process.platform import boot_time
 from aioduco.errors import RobotStateError
 from aioduco.models.enums import Outcome, TaskState
-from aioduco.supervision.concurrency import every, run_to_completion
+from aioduco.supervision.concurrency import every, on_grid, run_to_completion
 from aioduco.supervision.stop_channel import refusal
 from aioduco.supervision.stop_coordinator import StopCoordinator, taken
 from aioduco.supervision.task import OnCancel, Task
@@ -90,7 +90,7 @@ class Dispatcher:
         Before that, modes are ended that should be off: `robot.stop_now()` cannot wait for that.
         """
         coordinator = self._coordinator
-        async for _ in every(_REST_EVERY):
+        async for _ in every(_REST_EVERY, on_grid(time.monotonic())):
             if not coordinator.streams:  # their workers end their own
                 await coordinator.modes.leave_due()
             # No await between the last check for commands on their way, and `at_rest`.

@@ -48,7 +48,7 @@ from aioduco.errors import (
 from aioduco.models.ranges import TIMEOUT as SECONDS
 from aioduco.models.samples import Samples
 from aioduco.models.version import ControllerVersion
-from aioduco.supervision.concurrency import BackgroundTasks, every, run_to_completion
+from aioduco.supervision.concurrency import BackgroundTasks, every, on_grid, run_to_completion
 from aioduco.supervision.dispatcher import Dispatcher
 from aioduco.supervision.envelope_keeper import EnvelopeKeeper
 from aioduco.supervision.envelope_watch import EnvelopeWatch
@@ -364,7 +364,7 @@ class Supervisor:
             )
         prepare(WAY_OUT)
         # Before the first beat, which uses it to judge whether the event loop hangs.
-        self._background.start(self._live(time.monotonic()), "aioduco keep-alive")
+        self._background.start(self._live(on_grid(time.monotonic())), "aioduco keep-alive")
         try:
             self.version = ControllerVersion(await self._open_lanes())
             self._watch_loop()

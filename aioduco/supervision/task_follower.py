@@ -5,7 +5,7 @@ task is polled often when something is likely to happen and seldom when not:
 
 - just after acceptance, when it starts, is refused, or was short;
 - near its expected end and shortly after, if an end can be expected;
-- in between, after a quarter of the time that it has run, or has still to run, whichever is
+- in between, after half of the time that it has run, or has still to run, whichever is
   shorter, but often enough that an unexpected end is noticed soon.
 
 Due times are absolute: a late poll does not delay the later ones. Missed polls are skipped.
@@ -55,12 +55,14 @@ END_LIMIT = 1.0
 FAST = 0.002
 #: seconds between polls of a task whose end cannot be expected; half of it is the median delay
 STEADY = 0.005
+#: of one that runs for long, as a part of its time
+PROMPT = 0.002
 #: maximum seconds between polls, far from an expected end
 SLOW = 0.05
 #: time after its expected end for which a task is polled at the fast rate [s]
 OVERDUE = 0.1
 #: part of the time since its acceptance, or until its expected end, that passes without a poll
-SHARE = 0.25
+SHARE = 0.5
 
 
 def interval(age: float, remaining: float | None = None) -> float:
@@ -71,7 +73,7 @@ def interval(age: float, remaining: float | None = None) -> float:
         remaining: seconds until its expected end, negative after it; None if unknown.
     """
     if remaining is None or remaining < -OVERDUE:
-        return min(max(age * SHARE, FAST), STEADY)
+        return min(max(age * SHARE, FAST), max(STEADY, min(age * PROMPT, SLOW)))
     return min(max(min(age, remaining) * SHARE, FAST), SLOW)
 
 

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import example, given
 
 from aioduco.supervision.concurrency import GRID, on_grid
-from aioduco.supervision.task_follower import FAST, SHARE, SLOW, STEADY, interval, next_poll
+from aioduco.supervision.task_follower import FAST, PROMPT, SHARE, SLOW, STEADY, interval, next_poll
 
 AGES = st.floats(0, 1e6)
 REMAINING = st.one_of(st.none(), st.floats(-1e6, 1e6))
@@ -44,6 +44,9 @@ def test_far_from_an_expected_end_it_is_slow_and_near_it_fast() -> None:
     assert interval(1.0, -0.05) == FAST
     assert interval(1.0, -1.0) == STEADY
     assert interval(1.0) == STEADY
+    assert interval(2.5) == STEADY
+    assert interval(10.0) == 10.0 * PROMPT  # a long motion is told at the same part of its time
+    assert interval(3600.0) == SLOW
 
 
 def lateness(duration: float, expected: float | None, late: float) -> float:
