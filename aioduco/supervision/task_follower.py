@@ -277,7 +277,12 @@ class TaskFollower:
             last.result()
 
     async def motions_ended(self) -> None:
-        """Wait until the motions are seen to have ended, for a second at most."""
+        """Poll the motions at once, and wait until they have ended, for a second at most."""
+        now = time.monotonic()
+        for task in self.motions:
+            if task in self._due:  # else it is being ended
+                self._due[task] = now
+        self._alarm.ring()
         with anyio.move_on_after(END_LIMIT):
             for task in self.motions:
                 await task.wait()
@@ -301,6 +306,7 @@ class TaskFollower:
                 self._close()
 
     async def _ask(self, task: Task) -> None:
+        due = self._due[task]
         if task.eta is not None and not task.placed:
             await self._expect(task)
         answered = True
@@ -342,7 +348,8 @@ class TaskFollower:
             self._background.start(self._end_due(task), "aioduco end of a motion")
         remaining = None if task.expected_end is None else task.expected_end - arm_time
         every = interval(now - task.accepted_at, remaining) if answered else SLOW
-        self._due[task] = next_poll(self._due[task], now, every)
+        if self._due[task] == due:  # else it is to be polled again at once
+            self._due[task] = next_poll(due, now, every)
 
     async def _state(self, number: int) -> TaskState:
         """Poll the state of a task."""

@@ -90,6 +90,18 @@ async def test_many_tasks_are_asked_about_in_turn(robot: aioduco.Robot, bench: B
     await robot.stop()
 
 
+async def test_a_stop_does_not_wait_for_the_next_poll(
+    robot: aioduco.Robot, bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bench.motion_time = 600.0
+    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    monkeypatch.setattr(poller, "interval", lambda *_: 600.0)
+    polls = robot.statistics().polls
+    await eventually_async(lambda: robot.statistics().polls > polls)
+    await robot.stop()
+    assert task.outcome is Outcome.STOPPED
+
+
 async def test_nothing_is_asked_when_no_task_lives(robot: aioduco.Robot, bench: Bench) -> None:
     bench.motion_time = 0.02
     await robot.motion.movej2(HOME, v=1.0, a=1.0)
