@@ -333,6 +333,14 @@ class TaskFollower:
             await self._end(task)
             return
         arm_time = self._clock.now()
+        self._note_time(task, arm_time)
+        if self._due[task] == due:  # else it is to be polled again at once
+            remaining = None if task.expected_end is None else task.expected_end - arm_time
+            every = interval(now - task.accepted_at, remaining) if answered else SLOW
+            self._due[task] = next_poll(due, now, every)
+
+    def _note_time(self, task: Task, arm_time: float) -> None:
+        """Stop an overdue task, and end a motion whose time is over."""
         if task.deadline is not None and arm_time > task.deadline and not task.overdue:
             task.overdue = True
             if task.motion:
@@ -346,10 +354,6 @@ class TaskFollower:
             task.life.end_sent()
             self._endings[task] = anyio.Event()
             self._background.start(self._end_due(task), "aioduco end of a motion")
-        remaining = None if task.expected_end is None else task.expected_end - arm_time
-        every = interval(now - task.accepted_at, remaining) if answered else SLOW
-        if self._due[task] == due:  # else it is to be polled again at once
-            self._due[task] = next_poll(due, now, every)
 
     async def _state(self, number: int) -> TaskState:
         """Poll the state of a task."""
