@@ -24,12 +24,19 @@ LIMITS = Limits((1.0,) * 6, (10.0,) * 6)
 class Bench:
     """A source, what it is fed with, and what it gave."""
 
-    def __init__(self, *, speeds: bool = False, paced: bool = True, way: str = "none") -> None:
+    def __init__(
+        self,
+        *,
+        speeds: bool = False,
+        paced: bool = True,
+        way: str = "none",
+        interval: float = PERIOD,
+    ) -> None:
         self.source = SetpointSource(
             JOINT_SPACE,
             PERIOD,
             hold=HOLD,
-            interval=PERIOD if paced else None,
+            interval=interval if paced else None,
             paced=paced,
             reach=(0.1,) * 6,
             speeds=speeds,
@@ -50,10 +57,10 @@ class Bench:
         self._number += 1
         return SetPoint(self._number, self._number * round(PERIOD * 1e9), self.fed.pop(0), b"")
 
-    def step(self, *points: float, ticks: int = 1) -> StreamState:
+    def step(self, *points: float, ticks: int = 1, passed: int = 1) -> StreamState:
         self.fed += [(value,) * 6 for value in points]
         for _ in range(max(ticks, len(points))):
-            self.given.append(self.source.step(self.take))
+            self.given.append(self.source.step(self.take, passed))
         return self.source.state
 
     @property
@@ -109,6 +116,26 @@ def test_starving_longer_than_the_hold_time_decelerates_and_ends() -> None:
     assert bench.source.reason is Reason.STARVED
 
 
+@pytest.mark.parametrize("paced", [False, True], ids=["newest", "paced"])
+def test_the_hold_is_as_long_on_a_slow_connection(paced: bool) -> None:
+    numbers = []
+    for passed in (1, 5):
+        bench = Bench(paced=paced)
+        bench.step(*[0.002 * n for n in range(20)])
+        begun = len(bench.given)
+        while bench.source.reason is Reason.NONE:
+            bench.step(passed=passed)
+        numbers.append(len(bench.given) - begun)
+    assert numbers[1] <= numbers[0] / 5 + 1
+
+
+def test_set_points_that_wait_for_their_turn_are_no_silence_on_a_slow_connection() -> None:
+    bench = Bench(way="linear", interval=10 * PERIOD)
+    bench.fed = [(0.002 * n,) * 6 for n in range(30)]
+    while bench.fed:
+        assert bench.step(passed=5) in {StreamState.FOLLOWING, StreamState.WAITING}
+
+
 @pytest.mark.parametrize("way", ["none", "linear", "cubic"])
 def test_closing_follows_what_was_sent_to_its_end(way: str) -> None:
     bench = Bench(way=way)
@@ -136,7 +163,7 @@ def test_braking_takes_as_long_on_a_slow_connection(speeds: bool) -> None:
         bench.source.brake(Reason.ABORTED)
         begun = len(bench.given)
         while bench.source.state is not StreamState.ENDED:
-            bench.given.append(bench.source.step(bench.take, passed))
+            bench.step(passed=passed)
         numbers.append(len(bench.given) - begun)
     assert numbers[0] > 8
     assert numbers[1] <= numbers[0] / 5 + 1

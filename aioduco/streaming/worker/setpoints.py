@@ -203,9 +203,9 @@ class SetpointSource(Life):
             return None
         if self.state is not StreamState.DECELERATING:
             if self._timeline is None:
-                self._follow(generator, take)
+                self._follow(generator, take, passed)
             else:
-                self._follow_actions(self._timeline, generator, take)
+                self._follow_actions(self._timeline, generator, take, passed)
         match self.state:
             case StreamState.WAITING | StreamState.ENDED:
                 return None
@@ -217,8 +217,11 @@ class SetpointSource(Life):
                 config = generator.step(passed)
         return config
 
-    def _follow(self, generator: Generator, take: Callable[[], SetPoint | None]) -> None:
-        point = take() if generator.ready or not self._paced else None
+    def _follow(
+        self, generator: Generator, take: Callable[[], SetPoint | None], passed: int
+    ) -> None:
+        due = generator.ready or not self._paced
+        point = take() if due else None
         if point is not None:
             self._aim(generator, point)
         elif self.state is StreamState.WAITING:
@@ -227,7 +230,7 @@ class SetpointSource(Life):
         elif self.closing and generator.ready:
             self._finish(generator)
         else:
-            self._wait(generator)
+            self._wait(generator, passed if due else 1)
 
     def _aim(self, generator: Generator, point: SetPoint) -> None:
         target = point.values if self._speeds else self._space.decode(point.values)
@@ -250,9 +253,9 @@ class SetpointSource(Life):
         elif generator.at_rest:
             self.end(Reason.CLOSED)
 
-    def _wait(self, generator: Generator) -> None:
+    def _wait(self, generator: Generator, passed: int) -> None:
         """Process a tick without a new set-point; it counts as starved only if the arm moves."""
-        self._idle += 1
+        self._idle += passed
         idle = self._idle * self._period
         due = self._interval if self._paced else self._interval * _DUE
         if idle < due * _ROUNDING:
@@ -267,6 +270,7 @@ class SetpointSource(Life):
         timeline: ActionTimeline,
         generator: Generator,
         take: Callable[[], SetPoint | None],
+        passed: int,
     ) -> None:
         timeline.advance(self._clock() * 1e-9, closing=self.closing)
         for _ in range(_PER_TICK):
@@ -285,7 +289,7 @@ class SetpointSource(Life):
         elif self.closing:
             self._finish(generator)
         else:
-            self._wait(generator)
+            self._wait(generator, passed)
 
     def _add(self, timeline: ActionTimeline, generator: Generator, point: SetPoint) -> None:
         """Add an action to its chunk; the last one completes it."""
