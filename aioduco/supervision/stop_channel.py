@@ -22,6 +22,8 @@ from aioduco.supervision.rest import bring_to_rest
 from aioduco.supervision.unanswered import UnansweredMotion
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from aioduco._wire.channel import LaneCall
     from aioduco._wire.lane import WireLane
 
@@ -173,13 +175,19 @@ class StopChannel:
         answer: bool = await self._watch.call("robotmoving", (), timeout)
         return answer
 
-    async def rest(self, stop_timeout: float | None, timeout: float) -> None:
+    async def rest(
+        self,
+        stop_timeout: float | None,
+        timeout: float,
+        is_another: Callable[[], bool] = lambda: False,
+    ) -> None:
         """Wait until the arm stands after a stop. A stop that has no effect is repeated.
 
         Args:
             stop_timeout: seconds within which a further stop must be accepted, if the arm still
                 moves; None to wait without a further stop.
             timeout: seconds within which the arm must stand.
+            is_another: whether what moves the arm is something that was asked for later.
 
         Raises:
             StopUnconfirmed: it is not known that the arm stands.
@@ -200,6 +208,8 @@ class StopChannel:
         async def moves() -> bool:
             nonlocal error
             left, error = until - time.monotonic(), None
+            if is_another():
+                return False
             try:
                 return await self.moving(min(_ASK_LIMIT, left) if left > 0 else _LAST_LIMIT)
             except (DucoError, MemoryError) as exc:

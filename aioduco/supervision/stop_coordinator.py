@@ -118,6 +118,8 @@ class StopCoordinator:
         self.streams: list[OpenStream] = []
         self.closed: bool = False
         self.worker_died: bool = False
+        #: number of stops that were requested when the last one that was confirmed began
+        self._confirmed = 0
 
     @property
     def stops(self) -> int:
@@ -176,9 +178,10 @@ class StopCoordinator:
         settings = self._settings
         with self.gate.stop():
             # Of these, the controller may serve any after the stop.
-            overtaken = dict(self.pending)
+            overtaken, stops = dict(self.pending), self.stops
             await self.send_stop(settings.stop_timeout)
             await self.rest(settings.stop_timeout, settings.standstill_timeout, overtaken)
+            self._confirmed = max(self._confirmed, stops)
 
     async def send_stop(self, timeout: float) -> None:
         """Stop the arm: it is then slowing down, and no stream or mode makes it move again.
@@ -663,13 +666,25 @@ class StopCoordinator:
             await self._halt_and_see()
             raise
 
-    async def standstill(self) -> None:
+    async def standstill(self, stops_before: int | None = None) -> None:
         """Wait until the arm stands, without a stop.
+
+        Args:
+            stops_before: of a stopped motion, the number of stops that were requested before it:
+                after a later one that was confirmed, or beside a motion that was asked for after a
+                later one, what moves is not this motion. None: whatever moves counts.
 
         Raises:
             StopUnconfirmed: it is not known that it stands.
         """
-        await self._channel.rest(None, self._settings.standstill_timeout)
+
+        def is_another() -> bool:
+            if stops_before is None:
+                return False
+            later = any(task.stops_before > stops_before for task in self.follower.motions)
+            return later or self._confirmed > stops_before
+
+        await self._channel.rest(None, self._settings.standstill_timeout, is_another)
 
     async def lapsed(self) -> HeartbeatLost:
         """Wait until the controller has stopped the arm by itself, because no heartbeat came.

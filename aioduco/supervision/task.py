@@ -78,8 +78,8 @@ class TaskControl(Protocol):
         """Stop the arm, and wait until it stands."""
         ...
 
-    async def standstill(self) -> None:
-        """Wait until the arm stands, without a stop."""
+    async def standstill(self, stops_before: int | None = None) -> None:
+        """Wait until the arm stands, without a stop; `StopCoordinator.standstill` describes it."""
         ...
 
     async def lapsed(self) -> HeartbeatLost:

@@ -446,7 +446,7 @@ class TaskFollower:
         """Wait until the arm stands, and before that for the call that ends the motion."""
         if (ending := self._endings.get(task)) is not None:
             await ending.wait()
-        await self._arm.standstill()
+        await self._arm.standstill(task.stops_before)
 
     async def _goes_on(self, task: Task) -> bool:
         """Whether a motion was sent after one that this program did not stop, and was not ended."""

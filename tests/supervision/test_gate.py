@@ -323,6 +323,48 @@ async def test_a_motion_asked_while_a_stop_is_confirmed_waits_for_the_standstill
         assert stood == [True]
 
 
+@pytest.mark.parametrize(
+    ("stop", "later"),
+    [
+        (STOPS[0], lambda robot: robot.motion.movel(POSE, v=0.1, a=0.1)),
+        (STOPS[2], lambda robot: robot.motion.movel(POSE, v=0.1, a=0.1)),
+        (STOPS[0], lambda robot: robot.blocking.movel(POSE, v=0.1, a=0.1)),
+    ],
+    ids=["stop", "stop_now", "stop and a blocking call"],
+)
+async def test_a_later_motion_does_not_keep_a_stopped_one_from_its_end(
+    bench: Bench,
+    stop: Callable[[aioduco.Robot], Awaitable[Any]],
+    later: Callable[[aioduco.Robot], Awaitable[Any]],
+) -> None:
+    bench.motion_time, bench.braking_time = 30.0, 0.1
+    begun, polled = threading.Event(), bench._answers["get_noneblock_taskstate"]
+    start = bench._answers["movel"]
+
+    def polled_late(*args: Any) -> Any:
+        if bench.received("stop"):
+            assert begun.wait(10.0)
+        return polled(*args)
+
+    def begin(*args: Any) -> Any:
+        begun.set()
+        return start(*args)
+
+    bench.answer("get_noneblock_taskstate", polled_late)
+    bench.answer("movel", begin)
+    async with aioduco.connect(bench.host, bench.port) as robot:
+        stopped = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        async with anyio.create_task_group() as tg:
+            tg.start_soon(outcome, stop(robot))
+            await eventually_async(lambda: bool(bench.received("stop")))
+            tg.start_soon(outcome, later(robot))
+            with pytest.raises(TaskStopped) as caught:
+                await stopped
+            assert bench.moving()
+            assert caught.value.__cause__ is None
+            await robot.stop()
+
+
 async def test_a_resume_asked_before_a_stop_is_not_sent_after_it(bench: Bench) -> None:
     bench.motion_time, bench.braking_time = 30.0, 0.3
     async with aioduco.connect(bench.host, bench.port) as robot:

@@ -26,7 +26,7 @@ async def test_a_motion_that_follows_a_jog_is_not_taken_for_it(
     looked = asyncio.Event()
     jog = await duco_robot.motion.move_jog(Jog.joint(1, 1, vel=10)).start()
 
-    async def moved_by_the_next() -> None:
+    async def moved_by_the_next(*_: object) -> None:
         await stands()
         if (task := asyncio.current_task()) is not None and task.get_name() == END:
             await jog.wait()
