@@ -20,6 +20,7 @@ from collections import deque
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any
 
+import uvicorn
 from fastapi import FastAPI, HTTPException
 from pydantic import BaseModel
 
@@ -95,17 +96,20 @@ def service(host: str, port: int = 7003) -> FastAPI:
     return app
 
 
-if __name__ == "__main__":
-    import uvicorn
+def serve(host: str, port: int = 7003, listen: int = 8000) -> None:
+    """Serve until Ctrl-C. A client that never ends its request holds up the arm's stop for 1 s."""
+    uvicorn.run(service(host, port), port=listen, timeout_graceful_shutdown=1)
 
+
+if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("host", nargs="?")
     parser.add_argument("port", nargs="?", type=int, default=7003)
     given = parser.parse_args()
     if given.host:
-        uvicorn.run(service(given.host, given.port))
+        serve(given.host, given.port)
     else:
         from aioduco.sim import Simulator
 
         with Simulator() as sim:
-            uvicorn.run(service(sim.host, sim.port))
+            serve(sim.host, sim.port)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import shutil
+import signal
 import socket
 import subprocess
 import sys
@@ -15,7 +16,7 @@ from typing import Any
 
 import anyio
 import pytest
-from example_modules import example
+from example_modules import EXAMPLES, example
 from ports import free_port
 
 import aioduco
@@ -95,6 +96,29 @@ async def test_a_web_service_starts_nothing_that_was_asked_for_before_a_stop(
             answers = [(await move).status_code for move in moves]
             assert answers == [503, 503]
             assert len(proxy.calls("movej2")) == 1
+            assert not sim.view.moving
+
+
+def test_a_client_that_never_ends_its_request_does_not_keep_the_arm_moving(sim: Simulator) -> None:
+    need("uvicorn")
+    httpx = need("httpx")
+    port = free_port()
+    program = f"import service_fastapi; service_fastapi.serve({sim.host!r}, {sim.port}, {port})"
+
+    def accepted() -> bool:
+        try:
+            answer = httpx.post(f"http://127.0.0.1:{port}/move", json={"to": "left", "v": 0.02})
+        except httpx.TransportError:
+            return False
+        return bool(answer.status_code == 202)
+
+    with subprocess.Popen([sys.executable, "-c", program], cwd=EXAMPLES) as served:
+        eventually(accepted)
+        eventually(lambda: sim.view.moving)
+        with socket.create_connection(("127.0.0.1", port)) as client:
+            client.sendall(b"POST /move HTTP/1.1\r\nHost: arm\r\nContent-Length: 9\r\n\r\n{")
+            served.send_signal(signal.SIGINT)
+            assert served.wait(15.0) == 0
             assert not sim.view.moving
 
 
