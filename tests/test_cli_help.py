@@ -51,6 +51,12 @@ def test_help_shows_an_example_the_exit_codes_and_every_text_whole(names: tuple[
     assert not missing
 
 
+@pytest.mark.parametrize("names", COMMANDS, ids=" ".join)
+def test_every_option_and_argument_has_a_help(names: tuple[str, ...]) -> None:
+    """A name that the docstring of a command spells in another way would leave it without one."""
+    assert [str(each.name) for each in COMMANDS[names].params if not each.help] == []
+
+
 def test_a_command_is_made_alone() -> None:
     """To make all of them takes as long as Python to start."""
     for name in vars(get_command(app))["commands"]:

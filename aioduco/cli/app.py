@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Final
 
 import typer
 from typer.main import get_command_name
@@ -14,6 +14,7 @@ from aioduco.cli.call import call
 from aioduco.cli.check import check
 from aioduco.cli.completion import completion
 from aioduco.cli.demo import demo
+from aioduco.cli.described import DescribedCommand
 from aioduco.cli.doctor import doctor
 from aioduco.cli.export import export
 from aioduco.cli.fleet import fleet
@@ -43,7 +44,7 @@ from aioduco.cli.twin import twin
 from aioduco.cli.view import view
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
 
 app: typer.Typer = typer.Typer(
@@ -55,50 +56,30 @@ app: typer.Typer = typer.Typer(
     rich_markup_mode="markdown",
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-# The parts of `aioduco --help`, as in the table of docs/reference/cli.md.
-_WATCH, _LEAD, _MOVE = "Watch an arm", "Bring it up, stop it", "Move it"
-_RECORD, _FLEET, _TRY = "Recordings", "Several computers", "Try without an arm"
-_CONNECT, _PREPARE = "Other programs", "Prepare"
-
-app.command(rich_help_panel=_WATCH)(status)
-app.command(rich_help_panel=_WATCH)(monitor)
-app.command(rich_help_panel=_WATCH)(panel)
-app.command(rich_help_panel=_WATCH)(view)
-app.command(rich_help_panel=_WATCH)(twin)
-app.command("bring-up", rich_help_panel=_LEAD)(bring_up)
-app.command(rich_help_panel=_LEAD)(recover)
-app.command(rich_help_panel=_LEAD)(stop)
-app.command(rich_help_panel=_LEAD)(pause)
-app.command(rich_help_panel=_LEAD)(resume)
-app.add_typer(move, name="move", rich_help_panel=_MOVE)
-app.command(rich_help_panel=_MOVE, context_settings=WITH_NUMBERS)(jog)
-app.command(rich_help_panel=_MOVE)(teleop)
-app.command(rich_help_panel=_MOVE)(teach)
-app.add_typer(io, name="io", rich_help_panel=_MOVE)
-app.command(rich_help_panel=_MOVE, context_settings=WITH_NUMBERS)(call)
-app.command(rich_help_panel=_RECORD)(record)
-app.command(rich_help_panel=_RECORD)(plot)
-app.command(rich_help_panel=_RECORD)(play)
-app.command(rich_help_panel=_TRY)(demo)
-app.command(rich_help_panel=_TRY)(sim)
-app.command("sim-do", rich_help_panel=_TRY, context_settings=WITH_NUMBERS)(sim_do)
-app.command(rich_help_panel=_TRY)(preflight)
-app.add_typer(fleet, name="fleet", rich_help_panel=_FLEET)
-app.command(rich_help_panel=_CONNECT)(ros1)
-# Arguments after --ros-args are for ROS.
-app.command(
-    rich_help_panel=_CONNECT,
-    context_settings={"allow_extra_args": True, "ignore_unknown_options": True},
-)(ros2)
-app.command(rich_help_panel=_CONNECT)(tap)
-app.command(rich_help_panel=_CONNECT)(export)
-app.command(rich_help_panel=_PREPARE)(init)
-app.command(rich_help_panel=_PREPARE)(doctor)
-app.command(rich_help_panel=_PREPARE)(check)
-app.command(rich_help_panel=_PREPARE)(calibrate)
-app.add_typer(tool, name="tool", rich_help_panel=_PREPARE)
-app.command(rich_help_panel=_PREPARE)(payload)
-app.command(rich_help_panel=_PREPARE)(completion)
+#: the parts of `aioduco --help`, as in the table of docs/reference/cli.md
+_PARTS: Final[dict[str, tuple[typer.Typer | Callable[..., object], ...]]] = {
+    "Watch an arm": (status, monitor, panel, view, twin),
+    "Bring it up, stop it": (bring_up, recover, stop, pause, resume),
+    "Move it": (move, jog, teleop, teach, io, call),
+    "Recordings": (record, plot, play),
+    "Try without an arm": (demo, sim, sim_do, preflight),
+    "Several computers": (fleet,),
+    "Other programs": (ros1, ros2, tap, export),
+    "Prepare": (init, doctor, check, calibrate, tool, payload, completion),
+}
+_SETTINGS: Final[dict[object, dict[str, Any]]] = {
+    **dict.fromkeys((jog, call, sim_do), WITH_NUMBERS),
+    # arguments after --ros-args are for ROS
+    ros2: {"allow_extra_args": True, **WITH_NUMBERS},
+}
+for _part, _members in _PARTS.items():
+    for _member in _members:
+        if isinstance(_member, typer.Typer):
+            app.add_typer(_member, name=_member.info.name, rich_help_panel=_part)
+        else:
+            app.command(
+                cls=DescribedCommand, rich_help_panel=_part, context_settings=_SETTINGS.get(_member)
+            )(_member)
 
 
 def _version(wanted: bool) -> None:

@@ -14,20 +14,9 @@ from aioduco.cli.output import say
 
 
 def calibrate(
-    recordings: Annotated[
-        list[Path],
-        typer.Argument(
-            exists=True,
-            dir_okay=False,
-            help="Recordings of one arm, from `aioduco check HOST --motions`.",
-        ),
-    ],
-    output: Annotated[
-        Path, typer.Option("--output", "-o", help="Profile to write. An existing one is replaced.")
-    ] = Path("arm.toml"),
-    model: Annotated[
-        str | None, typer.Option(help="The arm. Default: what the controller reported.")
-    ] = None,
+    recordings: Annotated[list[Path], typer.Argument(exists=True, dir_okay=False)],
+    output: Annotated[Path, typer.Option("--output", "-o")] = Path("arm.toml"),
+    model: str | None = None,
 ) -> None:
     """Make a profile of an arm from recordings of it, for `aioduco sim --profile`. Nothing moves.
 
@@ -41,6 +30,11 @@ def calibrate(
     aioduco sim --profile arm.toml
 
     Exit codes: 0 written; 1 the recordings do not fit the arm, or show nothing; 2 wrong options.
+
+    Args:
+        recordings: Recordings of one arm, from `aioduco check HOST --motions`.
+        output: Profile to write. An existing one is replaced.
+        model: The arm. Default: what the controller reported.
     """
     require_writable("--output", output)
     extras.need("record", "calibrate")

@@ -37,25 +37,13 @@ def _functions(incomplete: str) -> list[str]:
 
 def call(
     context: typer.Context,
-    name: Annotated[
-        str,
-        typer.Argument(
-            help="The function, as the manual or the wire names it.", autocompletion=_functions
-        ),
-    ],
-    words: Annotated[
-        list[str] | None,
-        typer.Argument(help="Its arguments as JSON or words, in order or as name=value."),
-    ] = None,
+    name: Annotated[str, typer.Argument(autocompletion=_functions)],
+    words: Annotated[list[str] | None, typer.Argument()] = None,
     host: HostOption = None,
     port: Port = None,
     cell: CellFile = None,
-    describe: Annotated[
-        bool, typer.Option("--describe", help="Show its parameters and purpose, and call nothing.")
-    ] = False,
-    yes: Annotated[
-        bool, typer.Option("--yes", "-y", help="Do not ask before a call that changes something.")
-    ] = False,
+    describe: bool = False,
+    yes: Annotated[bool, typer.Option("--yes", "-y")] = False,
     json: Json = False,
 ) -> None:
     """Call one function of the manual and print what it returns.
@@ -70,6 +58,12 @@ def call(
 
     Exit codes: 0 called; 1 it failed, or no controller; 2 wrong options; 3 not confirmed; 4 it is
     not known that the arm stands; 130, 143 Ctrl-C or SIGTERM: the arm was stopped.
+
+    Args:
+        name: The function, as the manual or the wire names it.
+        words: Its arguments as JSON or words, in order or as name=value.
+        describe: Show its parameters and purpose, and call nothing.
+        yes: Do not ask before a call that changes something.
     """
     import aioduco.sync  # noqa: PLC0415 - for this command alone
     from aioduco._wire.idempotence import call_kind  # noqa: PLC0415

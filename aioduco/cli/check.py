@@ -25,70 +25,22 @@ if TYPE_CHECKING:
 
 def check(
     context: typer.Context,
-    target: Annotated[
-        str,
-        typer.Argument(
-            help="Address of a controller or a name of your robots.toml; or a file of points, as "
-            "`TaughtPoints.save` writes it; or the file of a cell, for its points."
-        ),
-    ],
+    target: str,
     port: Port = None,
     cell: CellFile = None,
-    move: Annotated[
-        bool, typer.Option("--move", help="Also run the checks that move the arm. Asks first.")
-    ] = False,
-    motions: Annotated[
-        Path | None,
-        typer.Option(
-            "--motions",
-            help="Instead, move the arm for some minutes, and record what `aioduco calibrate` "
-            "needs. Asks first.",
-        ),
-    ] = None,
-    reach: Annotated[
-        float,
-        typer.Option(
-            min=0.1, max=1.5, help="With --motions: how far a joint turns from where it is [rad]."
-        ),
-    ] = 0.5,
-    power: Annotated[
-        bool,
-        typer.Option(help="With --motions: also disable, enable, power off and on, five times."),
-    ] = True,
-    lapse: Annotated[
-        bool,
-        typer.Option(
-            help="With --motions: also end the heartbeat in a slow motion, twice, so that the "
-            "controller stops the arm."
-        ),
-    ] = True,
-    yes: Annotated[bool, typer.Option("--yes", help="Do not ask before the arm moves.")] = False,
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", help="Also write the report to a .md or .json file."),
-    ] = None,
-    bundle: Annotated[
-        Path | None,
-        typer.Option(
-            help="Also write the report as one file to send, .zip: without addresses, names, keys."
-        ),
-    ] = None,
-    ids: Annotated[
-        bool, typer.Option("--ids", help="In the bundle, keep the numbers of devices.")
-    ] = False,
-    model: Annotated[str, typer.Option(help="Arm, for points.")] = "gcr5_910",
-    start: Annotated[
-        str | None,
-        typer.Option(help="Joints at the start, for points. Default: the first joints."),
-    ] = None,
-    tool: Annotated[
-        str | None,
-        typer.Option(help="Tool tip from the flange, for points: x,y,z,rx,ry,rz [m, rad]."),
-    ] = None,
-    wobj: Annotated[
-        str | None,
-        typer.Option(help="Work object in the base, for points: x,y,z,rx,ry,rz [m, rad]."),
-    ] = None,
+    move: bool = False,
+    motions: Path | None = None,
+    reach: Annotated[float, typer.Option(min=0.1, max=1.5)] = 0.5,
+    power: bool = True,
+    lapse: bool = True,
+    yes: bool = False,
+    output: Annotated[Path | None, typer.Option("--output", "-o")] = None,
+    bundle: Path | None = None,
+    ids: bool = False,
+    model: str = "gcr5_910",
+    start: str | None = None,
+    tool: str | None = None,
+    wobj: str | None = None,
 ) -> None:
     """Check a controller against the simulated one; or taught points, without a controller.
 
@@ -108,6 +60,25 @@ def check(
     aioduco check 192.168.1.10 --motions run.mcap
 
     aioduco check points.toml --model gcr10_1300
+
+    Args:
+        target: Address of a controller or a name of your robots.toml; or a file of points, as
+            `TaughtPoints.save` writes it; or the file of a cell, for its points.
+        move: Also run the checks that move the arm. Asks first.
+        motions: Instead, move the arm for some minutes, and record what `aioduco calibrate` needs.
+            Asks first.
+        reach: With --motions: how far a joint turns from where it is [rad].
+        power: With --motions: also disable, enable, power off and on, five times.
+        lapse: With --motions: also end the heartbeat in a slow motion, twice, so that the
+            controller stops the arm.
+        yes: Do not ask before the arm moves.
+        output: Also write the report to a .md or .json file.
+        bundle: Also write the report as one file to send, .zip: without addresses, names, keys.
+        ids: In the bundle, keep the numbers of devices.
+        model: Arm, for points.
+        start: Joints at the start, for points. Default: the first joints.
+        tool: Tool tip from the flange, for points: x,y,z,rx,ry,rz [m, rad].
+        wobj: Work object in the base, for points: x,y,z,rx,ry,rz [m, rad].
     """
     with_motions = ("motions", "reach", "power", "lapse")
     with_report = ("move", "output", "bundle", "ids")

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import enum
 import importlib
-from typing import Annotated
-
-import typer
 
 from aioduco.cli.output import say
 
@@ -19,7 +16,7 @@ class Shell(enum.StrEnum):
     FISH = "fish"
 
 
-def completion(shell: Annotated[Shell, typer.Argument(help="bash, zsh or fish.")]) -> None:
+def completion(shell: Shell) -> None:
     """Print the script with which a shell completes commands, options and names of robots.
 
     aioduco completion bash > ~/.local/share/bash-completion/completions/aioduco
@@ -29,6 +26,9 @@ def completion(shell: Annotated[Shell, typer.Argument(help="bash, zsh or fish.")
     aioduco completion fish > ~/.config/fish/completions/aioduco.fish
 
     Exit codes: 0 printed; 2 wrong options.
+
+    Args:
+        shell: bash, zsh or fish.
     """
     # typer has this function, but does not declare it for type checkers
     scripts = importlib.import_module("typer.completion")

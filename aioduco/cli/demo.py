@@ -14,36 +14,30 @@ from aioduco.cli.options import refuse_unused, require_writable
 
 def demo(
     context: typer.Context,
-    host: Annotated[
-        str | None,
-        typer.Option(help="A controller's address, or its name. Without it: a simulated arm."),
-    ] = None,
+    host: str | None = None,
     port: Port = None,
-    model: Annotated[
-        str, typer.Option(help="Arm to simulate, or model of the real one.")
-    ] = "gcr5_910",
-    speed: Annotated[
-        float,
-        typer.Option(
-            min=0.01, max=100.0, help="Speed of simulated time, as a multiple of real time."
-        ),
-    ] = 1.0,
-    plot: Annotated[Path, typer.Option(help="File for the plot.")] = Path("demo.png"),
-    no_plot: Annotated[bool, typer.Option("--no-plot", help="Write no plot.")] = False,
-    result: Annotated[
-        Path | None, typer.Option("--json", help="File for the result. -: standard output.")
-    ] = None,
-    planned: Annotated[
-        bool,
-        typer.Option("--plan", help="Plan and carry out ways round an obstacle, if simulated."),
-    ] = False,
-    pictures: Annotated[
-        Path | None,
-        typer.Option(file_okay=False, help="With --plan: folder for pictures before and after."),
-    ] = None,
-    yes: Annotated[bool, typer.Option("--yes", help="Do not ask before a real arm moves.")] = False,
+    model: str = "gcr5_910",
+    speed: Annotated[float, typer.Option(min=0.01, max=100.0)] = 1.0,
+    plot: Path = Path("demo.png"),
+    no_plot: bool = False,
+    result: Annotated[Path | None, typer.Option("--json")] = None,
+    planned: Annotated[bool, typer.Option("--plan")] = False,
+    pictures: Annotated[Path | None, typer.Option(file_okay=False)] = None,
+    yes: bool = False,
 ) -> None:
-    """Make a small pick and place, show it, and say how well it went."""
+    """Make a small pick and place, show it, and say how well it went.
+
+    Args:
+        host: A controller's address, or its name. Without it: a simulated arm.
+        model: Arm to simulate, or model of the real one.
+        speed: Speed of simulated time, as a multiple of real time.
+        plot: File for the plot.
+        no_plot: Write no plot.
+        result: File for the result. -: standard output.
+        planned: Plan and carry out ways round an obstacle, if simulated.
+        pictures: With --plan: folder for pictures before and after.
+        yes: Do not ask before a real arm moves.
+    """
     if host is None:
         refuse_unused(context, "--host: without it, a simulated arm moves", "port")
     else:

@@ -17,18 +17,18 @@ def doctor(
     host: Host = None,
     port: Port = None,
     cell: CellFile = None,
-    seconds: Annotated[
-        float, typer.Option(min=0.1, max=600.0, help="Duration of each measurement [s].")
-    ] = 3.0,
-    json: Annotated[
-        Path | None, typer.Option(help="File for the figures, for `aioduco plot`.")
-    ] = None,
+    seconds: Annotated[float, typer.Option(min=0.1, max=600.0)] = 3.0,
+    json: Path | None = None,
 ) -> None:
     """Measure the rate that this machine and the network to an arm can hold. Nothing moves.
 
     aioduco doctor left --seconds 10
 
     Exit codes: 0 measured; 1 not measured, for example without a controller; 2 wrong options.
+
+    Args:
+        seconds: Duration of each measurement [s].
+        json: File for the figures, for `aioduco plot`.
     """
     from aioduco.cli.safe_console import SafeConsole  # noqa: PLC0415 - for this command alone
     from aioduco.cli.stream_rate import examine  # noqa: PLC0415

@@ -36,79 +36,48 @@ class Format(enum.StrEnum):
 
 def export(
     context: typer.Context,
-    kind: Annotated[Format, typer.Argument(help="What to write.")],
-    model: Annotated[
-        list[str] | None,
-        typer.Option(help="Arm. Default: gcr5_910. Repeat it for more arms."),
-    ] = None,
-    output: Annotated[
-        Path,
-        typer.Option(
-            "--output",
-            "-o",
-            file_okay=False,
-            help="Folder to write to. It is created if it does not exist.",
-        ),
-    ] = Path(),
-    prefix: Annotated[
-        list[str] | None,
-        typer.Option(help="Prefix of the arm's names; one for each --model."),
-    ] = None,
-    mounting: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="floor, wall, ceiling, none for no world, or the base's pose: x,y,z,rx,ry,rz "
-            "[m, rad]; one for each --model."
-        ),
-    ] = None,
-    name: Annotated[
-        str | None, typer.Option(help="Name of the description. Default: the models' names.")
-    ] = None,
-    meshes: Annotated[
-        Path | None,
-        typer.Option(
-            help="Folder of your meshes, named like the links: link_1.stl. Default: meshes made "
-            "from the arm's lengths."
-        ),
-    ] = None,
-    mesh_uri: Annotated[
-        str | None,
-        typer.Option(
-            help="Address of the meshes in the URDF: package://my_arm/meshes. Without --meshes, "
-            "they are written to the folder `meshes`; without both, the URDF has cylinders."
-        ),
-    ] = None,
-    tcp: Annotated[
-        str | None, typer.Option(help="Tip of the tool from the flange: x,y,z,rx,ry,rz [m, rad].")
-    ] = None,
-    tool_mass: Annotated[float, typer.Option(min=0.0, help="Mass of the tool [kg].")] = 0.0,
-    tool_centre: Annotated[
-        str, typer.Option(help="Its centre of mass in the frame of the flange: x,y,z [m].")
-    ] = "0,0,0",
-    tool_capsule: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="A part of its shape in the frame of the flange, from one point to another, with "
-            "a radius: x,y,z,x,y,z,r [m]; again for more."
-        ),
-    ] = None,
-    distro: Annotated[
-        str,
-        typer.Option(help="With moveit: release of ROS: jazzy, humble, or noetic for MoveIt 1."),
-    ] = "jazzy",
-    moveit: Annotated[
-        bool, typer.Option("--moveit", help="With ros1: MoveIt 1's package beside the driver's.")
-    ] = False,
-    group: Annotated[
-        str, typer.Option(help="MoveIt's group: duco_gcr5 in the vendor's package.")
-    ] = "manipulator",
-    tip: Annotated[
-        str, typer.Option(help="Last link of the group: link_6 there. Default: tool or flange.")
-    ] = "",
+    kind: Format,
+    model: list[str] | None = None,
+    output: Annotated[Path, typer.Option("--output", "-o", file_okay=False)] = Path(),
+    prefix: list[str] | None = None,
+    mounting: list[str] | None = None,
+    name: str | None = None,
+    meshes: Path | None = None,
+    mesh_uri: str | None = None,
+    tcp: str | None = None,
+    tool_mass: Annotated[float, typer.Option(min=0.0)] = 0.0,
+    tool_centre: str = "0,0,0",
+    tool_capsule: list[str] | None = None,
+    distro: str = "jazzy",
+    moveit: bool = False,
+    group: str = "manipulator",
+    tip: str = "",
 ) -> None:
     """Write an arm as URDF, SRDF, MJCF, MoveIt's configuration or a package of ROS 1.
 
     Files of the same names are overwritten.
+
+    Args:
+        kind: What to write.
+        model: Arm. Default: gcr5_910. Repeat it for more arms.
+        output: Folder to write to. It is created if it does not exist.
+        prefix: Prefix of the arm's names; one for each --model.
+        mounting: floor, wall, ceiling, none for no world, or the base's pose: x,y,z,rx,ry,rz [m,
+            rad]; one for each --model.
+        name: Name of the description. Default: the models' names.
+        meshes: Folder of your meshes, named like the links: link_1.stl. Default: meshes made from
+            the arm's lengths.
+        mesh_uri: Address of the meshes in the URDF: package://my_arm/meshes. Without --meshes, they
+            are written to the folder `meshes`; without both, the URDF has cylinders.
+        tcp: Tip of the tool from the flange: x,y,z,rx,ry,rz [m, rad].
+        tool_mass: Mass of the tool [kg].
+        tool_centre: Its centre of mass in the frame of the flange: x,y,z [m].
+        tool_capsule: A part of its shape in the frame of the flange, from one point to another,
+            with a radius: x,y,z,x,y,z,r [m]; again for more.
+        distro: With moveit: release of ROS: jazzy, humble, or noetic for MoveIt 1.
+        moveit: With ros1: MoveIt 1's package beside the driver's.
+        group: MoveIt's group: duco_gcr5 in the vendor's package.
+        tip: Last link of the group: link_6 there. Default: tool or flange.
     """
     from aioduco import descriptions  # noqa: PLC0415 - for this command alone
     from aioduco.errors import ParameterError  # noqa: PLC0415

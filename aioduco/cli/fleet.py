@@ -12,6 +12,7 @@ import anyio
 import typer
 
 from aioduco.cli import extras
+from aioduco.cli.described import DescribedCommand
 from aioduco.cli.exit_codes import FAILED, SIGNALLED, STOP_UNCONFIRMED, USAGE, ended_by_errors, fail
 from aioduco.cli.output import OutputFailed, say
 from aioduco.models.similar import did_you_mean
@@ -23,7 +24,9 @@ if TYPE_CHECKING:
 
 
 fleet: typer.Typer = typer.Typer(
-    help="The arms of several computers: serve, see and stop them.", no_args_is_help=True
+    name="fleet",
+    help="The arms of several computers: serve, see and stop them.",
+    no_args_is_help=True,
 )
 
 #: how soon a heartbeat that was withheld is resumed at the latest [s]
@@ -34,7 +37,7 @@ Timeout = Annotated[float, typer.Option(min=0.1, max=60.0, help="Until gateways 
 Json = Annotated[bool, typer.Option("--json", help="As one line of JSON.")]
 
 
-@fleet.command()
+@fleet.command(cls=DescribedCommand)
 def serve(file: File) -> None:
     """Supervise the arms of a file until Ctrl-C, and offer their state and stop to the fleet.
 
@@ -83,7 +86,7 @@ async def _rearm_heartbeats(gateway: FleetGateway) -> None:
                     say(f"the gateway had stood still: it supervises {name} again", error=True)
 
 
-@fleet.command()
+@fleet.command(cls=DescribedCommand)
 def status(file: File, timeout: Timeout = 3.0, json: Json = False) -> None:
     """Show every arm of the fleet.
 
@@ -110,10 +113,10 @@ def status(file: File, timeout: Timeout = 3.0, json: Json = False) -> None:
         raise typer.Exit(FAILED)
 
 
-@fleet.command()
+@fleet.command(cls=DescribedCommand)
 def stop(
     file: File,
-    arm: Annotated[list[str] | None, typer.Argument(help="Arms; all if none is named.")] = None,
+    arm: Annotated[list[str] | None, typer.Argument()] = None,
     timeout: Timeout = 6.0,
     json: Json = False,
 ) -> None:
@@ -121,6 +124,9 @@ def stop(
 
     Exit codes: 0 all of them stand, which each gateway proved by its key; 2 a wrong file; 4 it is
     not known that all of them stand.
+
+    Args:
+        arm: Arms; all if none is named.
     """
     settings = _settings(file)
     from aioduco.errors import ConnectError, StopUnconfirmed  # noqa: PLC0415 - quick help

@@ -8,9 +8,7 @@ import shutil
 from importlib import resources
 from pathlib import Path  # noqa: TC003 - typer evaluates the annotations
 from string import Template
-from typing import Annotated, Final
-
-import typer
+from typing import Final
 
 from aioduco.cli import extras
 from aioduco.cli.exit_codes import fail
@@ -27,11 +25,9 @@ _FILES: Final = (
 
 
 def init(
-    folder: Annotated[Path, typer.Argument(help="Folder of the project; it must not exist yet.")],
-    model: Annotated[str, typer.Option(help="The arm.")] = "gcr5_910",
-    host: Annotated[
-        str, typer.Option(help="Address of its controller; that of a simulator if left out.")
-    ] = "127.0.0.1",
+    folder: Path,
+    model: str = "gcr5_910",
+    host: str = "127.0.0.1",
 ) -> None:
     """Write a project: a cell, a supervised program, tests on the simulator, a workflow.
 
@@ -41,6 +37,11 @@ def init(
     aioduco init demo
 
     Exit codes: 0 written; 1 it cannot be written; 2 wrong options.
+
+    Args:
+        folder: Folder of the project; it must not exist yet.
+        model: The arm.
+        host: Address of its controller; that of a simulator if left out.
     """
     arm = extras.arm(model)
     from aioduco.models.pose import Joints, Pose  # noqa: PLC0415 - for this command alone

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from aioduco.cli.addresses import CellFile, HostOption, Port, RobotAddress, robot_at
+from aioduco.cli.described import DescribedCommand
 from aioduco.cli.exit_codes import ended_by_errors
 from aioduco.cli.options import WITH_NUMBERS, Yes
 from aioduco.cli.output import print_json, say
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 
 
 io: typer.Typer = typer.Typer(
-    no_args_is_help=True, help="Read inputs and outputs, and set outputs."
+    name="io", no_args_is_help=True, help="Read inputs and outputs, and set outputs."
 )
 
 #: the signals of a sample, as `io read` names them
@@ -55,12 +56,12 @@ class OutputQuantity(enum.StrEnum):
     CURRENT = "current"
 
 
-@io.command()
+@io.command(cls=DescribedCommand)
 def read(
     host: HostOption = None,
     port: Port = None,
     cell: CellFile = None,
-    json: Annotated[bool, typer.Option("--json", help="Print them as JSON.")] = False,
+    json: bool = False,
 ) -> None:
     """Read all inputs and outputs. In JSON, number 1 comes first.
 
@@ -69,6 +70,9 @@ def read(
     aioduco io read --json | jq '.inputs[2]'
 
     Exit codes: 0 read; 1 no controller; 2 wrong options.
+
+    Args:
+        json: Print them as JSON.
     """
     found = _looked(robot_at(host, port, cell), lambda robot: robot.state.getRobotIOStatus())
     digital = {name: getattr(found, field) for name, field in _DIGITAL.items()}
@@ -83,13 +87,11 @@ def read(
         say(f"{name.replace('_', ' '):13} {'  '.join(f'{v:.2f}' for v in values)} {unit}")
 
 
-@io.command("set", context_settings=WITH_NUMBERS)
+@io.command("set", cls=DescribedCommand, context_settings=WITH_NUMBERS)
 def set_output(
-    number: Annotated[int, typer.Argument(min=1, max=16, help="Number of the output.")],
-    level: Annotated[Level, typer.Argument(help="on or off.")],
-    tool: Annotated[
-        bool, typer.Option("--tool", help="Use an output at the tool, 1 or 2.")
-    ] = False,
+    number: Annotated[int, typer.Argument(min=1, max=16)],
+    level: Level,
+    tool: bool = False,
     host: HostOption = None,
     port: Port = None,
     cell: CellFile = None,
@@ -102,6 +104,11 @@ def set_output(
     aioduco io set 1 off --tool --host left --yes
 
     Exit codes: 0 set; 1 not set, or no controller; 2 wrong options; 3 not confirmed.
+
+    Args:
+        number: Number of the output.
+        level: on or off.
+        tool: Use an output at the tool, 1 or 2.
     """
     from aioduco.models import ranges  # noqa: PLC0415 - for commands with a robot alone
 
@@ -119,11 +126,11 @@ def set_output(
     say(f"{which} is {level.value}")
 
 
-@io.command("set-analog", context_settings=WITH_NUMBERS)
+@io.command("set-analog", context_settings=WITH_NUMBERS, cls=DescribedCommand)
 def set_analog(
-    quantity: Annotated[OutputQuantity, typer.Argument(help="voltage [V] or current [mA].")],
-    number: Annotated[int, typer.Argument(min=1, max=4, help="Number of the channel.")],
-    value: Annotated[float, typer.Argument(help="0 to 10 V, or 4 to 20 mA.")],
+    quantity: OutputQuantity,
+    number: Annotated[int, typer.Argument(min=1, max=4)],
+    value: float,
     host: HostOption = None,
     port: Port = None,
     cell: CellFile = None,
@@ -134,6 +141,11 @@ def set_analog(
     aioduco io set-analog voltage 1 2.5
 
     Exit codes: as of `aioduco io set`.
+
+    Args:
+        quantity: voltage [V] or current [mA].
+        number: Number of the channel.
+        value: 0 to 10 V, or 4 to 20 mA.
     """
     from aioduco.models import ranges  # noqa: PLC0415 - for commands with a robot alone
 

@@ -53,28 +53,15 @@ class Manual(enum.StrEnum):
 
 def jog(
     context: typer.Context,
-    axis: Annotated[str, typer.Argument(help="Joint or axis: j1 to j6, or x, y, z, rx, ry, rz.")],
-    direction: Annotated[Direction, typer.Argument(help="Direction: `+` or `-`.")],
-    step: Annotated[
-        float | None,
-        typer.Option(min=0.0, help="Size of the step [rad, or m along x, y, z]."),
-    ] = None,
-    seconds: Annotated[
-        float, typer.Option(min=0.01, max=60.0, help="Duration of a jog without a step [s].")
-    ] = 0.5,
-    deg: Annotated[bool, typer.Option("--deg", help="The step is in degrees.")] = False,
-    mm: Annotated[bool, typer.Option("--mm", help="The step is in millimetres.")] = False,
-    percent: Annotated[float, typer.Option(min=0.1, max=100.0, help="Speed of jogs [%].")] = 5.0,
-    frame: Annotated[
-        JogFrameName, typer.Option(help="Frame of x, y, z, rx, ry, rz.")
-    ] = JogFrameName.BASE,
-    manual: Annotated[
-        Manual | None,
-        typer.Option(
-            help="How the controller understands + and -; its version says it, if it has one. "
-            "Try with a small step."
-        ),
-    ] = None,
+    axis: str,
+    direction: Direction,
+    step: Annotated[float | None, typer.Option(min=0.0)] = None,
+    seconds: Annotated[float, typer.Option(min=0.01, max=60.0)] = 0.5,
+    deg: bool = False,
+    mm: bool = False,
+    percent: Annotated[float, typer.Option(min=0.1, max=100.0)] = 5.0,
+    frame: JogFrameName = JogFrameName.BASE,
+    manual: Manual | None = None,
     host: HostOption = None,
     port: Port = None,
     cell: CellFile = None,
@@ -88,6 +75,18 @@ def jog(
     aioduco jog z - --step 10 --mm --frame tool --host left --yes
 
     Exit codes: as of `aioduco move joints`.
+
+    Args:
+        axis: Joint or axis: j1 to j6, or x, y, z, rx, ry, rz.
+        direction: Direction: `+` or `-`.
+        step: Size of the step [rad, or m along x, y, z].
+        seconds: Duration of a jog without a step [s].
+        deg: The step is in degrees.
+        mm: The step is in millimetres.
+        percent: Speed of jogs [%].
+        frame: Frame of x, y, z, rx, ry, rz.
+        manual: How the controller understands + and -; its version says it, if it has one. Try with
+            a small step.
     """
     from aioduco.models.jog import Jog, JogFrame  # noqa: PLC0415 - for commands with a robot alone
 

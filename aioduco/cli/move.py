@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import typer
 
 from aioduco.cli.addresses import CellFile, HostOption, Port, RobotAddress, robot_at
+from aioduco.cli.described import DescribedCommand
 from aioduco.cli.exit_codes import ended_by_errors, fail
 from aioduco.cli.options import WITH_NUMBERS, Json, Yes, refuse_unused
 from aioduco.cli.output import print_json, say
@@ -26,21 +27,19 @@ if TYPE_CHECKING:
 Six: TypeAlias = tuple[float, float, float, float, float, float]
 
 move: typer.Typer = typer.Typer(
-    no_args_is_help=True, help="Move the arm to joint angles or to a pose. It asks first."
+    name="move",
+    no_args_is_help=True,
+    help="Move the arm to joint angles or to a pose. It asks first.",
 )
 
 
-@move.command(context_settings=WITH_NUMBERS)
+@move.command(cls=DescribedCommand, context_settings=WITH_NUMBERS)
 def joints(
-    angles: Annotated[Six, typer.Argument(metavar="J1 J2 J3 J4 J5 J6", help="Angles [rad].")],
-    deg: Annotated[bool, typer.Option("--deg", help="The angles are in degrees.")] = False,
-    by: Annotated[bool, typer.Option("--by", help="Turn by these angles, not to them.")] = False,
-    speed: Annotated[
-        float, typer.Option("--speed", "-v", help="Speed of the joints [rad/s].")
-    ] = 0.3,
-    acceleration: Annotated[
-        float, typer.Option("--acceleration", "-a", help="Acceleration of the joints [rad/s²].")
-    ] = 0.5,
+    angles: Annotated[Six, typer.Argument(metavar="J1 J2 J3 J4 J5 J6")],
+    deg: bool = False,
+    by: bool = False,
+    speed: Annotated[float, typer.Option("--speed", "-v")] = 0.3,
+    acceleration: Annotated[float, typer.Option("--acceleration", "-a")] = 0.5,
     host: HostOption = None,
     port: Port = None,
     cell: CellFile = None,
@@ -55,6 +54,13 @@ def joints(
 
     Exit codes: 0 the arm is there; 1 it is not; 2 wrong options; 3 not confirmed; 4 it is not known
     that the arm stands; 130, 143 Ctrl-C or SIGTERM: the arm was stopped.
+
+    Args:
+        angles: Angles [rad].
+        deg: The angles are in degrees.
+        by: Turn by these angles, not to them.
+        speed: Speed of the joints [rad/s].
+        acceleration: Acceleration of the joints [rad/s²].
     """
     from aioduco.models import ranges  # noqa: PLC0415 - for commands with a robot alone
 
@@ -81,24 +87,16 @@ The joints turn at up to {math.degrees(speed):.0f} °/s. Joint {turns.index(far)
     carry_out(address, lambda robot: robot.motion.movej2(target, v=speed, a=acceleration), json)
 
 
-@move.command(context_settings=WITH_NUMBERS)
+@move.command(cls=DescribedCommand, context_settings=WITH_NUMBERS)
 def pose(
     context: typer.Context,
-    numbers: Annotated[
-        Six, typer.Argument(metavar="X Y Z RX RY RZ", help="Position [m] and rotation [rad].")
-    ],
-    mm: Annotated[bool, typer.Option("--mm", help="X, Y, Z are in millimetres.")] = False,
-    deg: Annotated[bool, typer.Option("--deg", help="RX, RY, RZ are in degrees.")] = False,
-    by: Annotated[
-        bool, typer.Option("--by", help="Move by this along and about the tool's axes.")
-    ] = False,
-    curved: Annotated[
-        bool, typer.Option("--joints", help="Move all joints together at 0.3 rad/s, not on a line.")
-    ] = False,
-    speed: Annotated[float, typer.Option("--speed", "-v", help="Speed of the tool [m/s].")] = 0.05,
-    acceleration: Annotated[
-        float, typer.Option("--acceleration", "-a", help="Acceleration of the tool [m/s²].")
-    ] = 0.2,
+    numbers: Annotated[Six, typer.Argument(metavar="X Y Z RX RY RZ")],
+    mm: bool = False,
+    deg: bool = False,
+    by: bool = False,
+    curved: Annotated[bool, typer.Option("--joints")] = False,
+    speed: Annotated[float, typer.Option("--speed", "-v")] = 0.05,
+    acceleration: Annotated[float, typer.Option("--acceleration", "-a")] = 0.2,
     host: HostOption = None,
     port: Port = None,
     cell: CellFile = None,
@@ -112,6 +110,15 @@ def pose(
     aioduco move pose 0 0 -50 0 0 0 --mm --by --host left
 
     Exit codes: as of `aioduco move joints`.
+
+    Args:
+        numbers: Position [m] and rotation [rad].
+        mm: X, Y, Z are in millimetres.
+        deg: RX, RY, RZ are in degrees.
+        by: Move by this along and about the tool's axes.
+        curved: Move all joints together at 0.3 rad/s, not on a line.
+        speed: Speed of the tool [m/s].
+        acceleration: Acceleration of the tool [m/s²].
     """
     from aioduco.models import ranges  # noqa: PLC0415 - for commands with a robot alone
     from aioduco.models.pose import Pose  # noqa: PLC0415

@@ -32,48 +32,14 @@ def panel(
     host: Host = None,
     port: Port = None,
     cell: CellFile = None,
-    listen: Annotated[
-        int,
-        typer.Option(
-            min=0,
-            max=65534,
-            help="Port of the page and its picture. 0: any.",
-        ),
-    ] = 8080,
-    bind: Annotated[
-        str,
-        typer.Option(
-            help="Address of the page. 0.0.0.0: the whole network may watch, and stop the arm."
-        ),
-    ] = "127.0.0.1",
-    watch_only: Annotated[
-        bool, typer.Option("--watch-only", help="Pages can only watch, and stop the arm.")
-    ] = False,
-    model: Annotated[
-        str | None,
-        typer.Option(help="Arm to draw. Default: the one that the controller reports."),
-    ] = None,
-    rate: Annotated[float, typer.Option(min=2, max=50, help="States per second.")] = 20.0,
-    hold_limit: Annotated[
-        float,
-        typer.Option(
-            min=0.1,
-            max=2.0,
-            help="Seconds until a button of a page that is silent or late counts as released.",
-        ),
-    ] = 0.4,
-    manual: Annotated[
-        Manual | None,
-        typer.Option(help="How the controller understands + and - of jogs; its version says it."),
-    ] = None,
-    control_port: Annotated[
-        int | None,
-        typer.Option(
-            min=1,
-            max=65535,
-            help="Port for commands of a simulator on this computer. Default: port + 10000.",
-        ),
-    ] = None,
+    listen: Annotated[int, typer.Option(min=0, max=65534)] = 8080,
+    bind: str = "127.0.0.1",
+    watch_only: bool = False,
+    model: str | None = None,
+    rate: Annotated[float, typer.Option(min=2, max=50)] = 20.0,
+    hold_limit: Annotated[float, typer.Option(min=0.1, max=2.0)] = 0.4,
+    manual: Manual | None = None,
+    control_port: Annotated[int | None, typer.Option(min=1, max=65535)] = None,
 ) -> None:
     """Show an arm in the browser, and let one page command it. This alone moves nothing.
 
@@ -88,6 +54,16 @@ def panel(
 
     Exit codes: 1 no controller, or the port is taken; 2 wrong options; 130, 143, 129 Ctrl-C,
     SIGTERM, or the terminal was closed: motions of the panel were stopped.
+
+    Args:
+        listen: Port of the page and its picture. 0: any.
+        bind: Address of the page. 0.0.0.0: the whole network may watch, and stop the arm.
+        watch_only: Pages can only watch, and stop the arm.
+        model: Arm to draw. Default: the one that the controller reports.
+        rate: States per second.
+        hold_limit: Seconds until a button of a page that is silent or late counts as released.
+        manual: How the controller understands + and - of jogs; its version says it.
+        control_port: Port for commands of a simulator on this computer. Default: port + 10000.
     """
     extras.need("panel")
     address = robot_at(host, port, cell)

@@ -54,42 +54,13 @@ def payload(
     host: Host = None,
     port: Port = None,
     cell: CellFile = None,
-    sensor: Annotated[
-        Sensor, typer.Option(help="The joints' torques, or the force sensor at the flange.")
-    ] = Sensor.TORQUE,
-    poses: Annotated[
-        Path | None,
-        typer.Option(
-            exists=True,
-            dir_okay=False,
-            help="File of `aioduco teach`, or of a cell: the arm moves to its waypoints. Without "
-            "it, the arm is guided by hand.",
-        ),
-    ] = None,
-    set_load: Annotated[
-        _Numbers | None,
-        typer.Option(
-            metavar="KG X Y Z",
-            help="For torques: the load that a program has set by set_load_data, in the tool's "
-            "frame [m]; the controller does not tell it.",
-        ),
-    ] = None,
-    tool: Annotated[
-        str | None,
-        typer.Option(help="Write the result as the load of a tool of this name: it asks first."),
-    ] = None,
-    held: Annotated[
-        bool,
-        typer.Option(
-            "--held",
-            help="Write what the result has beyond the tool's load, as held by the tool: it asks "
-            "first.",
-        ),
-    ] = False,
-    mounting: Annotated[Mounting, typer.Option(help="Where the arm is mounted.")] = Mounting.FLOOR,
-    model: Annotated[
-        str | None, typer.Option(help="Model of the arm. Default: as the controller says.")
-    ] = None,
+    sensor: Sensor = Sensor.TORQUE,
+    poses: Annotated[Path | None, typer.Option(exists=True, dir_okay=False)] = None,
+    set_load: Annotated[_Numbers | None, typer.Option(metavar="KG X Y Z")] = None,
+    tool: str | None = None,
+    held: bool = False,
+    mounting: Mounting = Mounting.FLOOR,
+    model: str | None = None,
     yes: Yes = False,
     json: Json = False,
 ) -> None:
@@ -107,6 +78,17 @@ def payload(
 
     Exit codes: 0 it was found; 1 it was not, or no controller; 2 wrong options; 3 not confirmed:
     nothing was written; 4 it is not known that the arm stands; 130, 143 Ctrl-C or SIGTERM.
+
+    Args:
+        sensor: The joints' torques, or the force sensor at the flange.
+        poses: File of `aioduco teach`, or of a cell: the arm moves to its waypoints. Without it,
+            the arm is guided by hand.
+        set_load: For torques: the load that a program has set by set_load_data, in the tool's frame
+            [m]; the controller does not tell it.
+        tool: Write the result as the load of a tool of this name: it asks first.
+        held: Write what the result has beyond the tool's load, as held by the tool: it asks first.
+        mounting: Where the arm is mounted.
+        model: Model of the arm. Default: as the controller says.
     """
     if held and tool is not None:
         raise typer.BadParameter("--tool and --held write the result in two ways: give one of them")

@@ -20,51 +20,22 @@ if TYPE_CHECKING:
 
 def play(
     context: typer.Context,
-    file: Annotated[
-        Path,
-        typer.Argument(
-            exists=True, dir_okay=False, help="A recording, .mcap, or waypoints, .toml."
-        ),
-    ],
+    file: Annotated[Path, typer.Argument(exists=True, dir_okay=False)],
     host: HostOrSimulator = None,
     port: Port = None,
     cell: CellFile = None,
-    model: Annotated[
-        str | None, typer.Option(help="The arm. Default: from the controller or the file.")
-    ] = None,
-    speed: Annotated[
-        float, typer.Option(min=0.01, max=10.0, help="Times as fast; waypoints: up to 1.")
-    ] = 1.0,
-    begin: Annotated[
-        float | None, typer.Option("--from", min=0.0, help="Begin there in the recording [s].")
-    ] = None,
-    end: Annotated[
-        float | None, typer.Option("--to", min=0.0, help="End there in the recording [s].")
-    ] = None,
-    bridge: Annotated[
-        float,
-        typer.Option(
-            min=0.0, max=0.1, help="Bridge gaps in which the arm is known to within this [rad]."
-        ),
-    ] = 0.005,
-    outputs: Annotated[
-        bool, typer.Option("--outputs", help="Also set the digital outputs that changed.")
-    ] = False,
-    record: Annotated[
-        Path | None, typer.Option(help="Record what the arm does to this file.")
-    ] = None,
+    model: str | None = None,
+    speed: Annotated[float, typer.Option(min=0.01, max=10.0)] = 1.0,
+    begin: Annotated[float | None, typer.Option("--from", min=0.0)] = None,
+    end: Annotated[float | None, typer.Option("--to", min=0.0)] = None,
+    bridge: Annotated[float, typer.Option(min=0.0, max=0.1)] = 0.005,
+    outputs: bool = False,
+    record: Path | None = None,
     scene: SceneFile = None,
-    envelope: Annotated[
-        Path | None,
-        typer.Option(exists=True, dir_okay=False, help="Limits to keep to: TOML, see docs."),
-    ] = None,
-    check: Annotated[
-        bool, typer.Option("--check", help="Print the reasons against playing it; move nothing.")
-    ] = False,
-    rehearse: Annotated[
-        bool, typer.Option(help="Play it on a simulated arm before a real one.")
-    ] = True,
-    yes: Annotated[bool, typer.Option("--yes", help="Do not ask before an arm moves.")] = False,
+    envelope: Annotated[Path | None, typer.Option(exists=True, dir_okay=False)] = None,
+    check: bool = False,
+    rehearse: bool = True,
+    yes: bool = False,
 ) -> None:
     """Move an arm along a recording or through waypoints: a simulated arm, or the one at HOST.
 
@@ -82,6 +53,20 @@ def play(
 
     Exit codes: 0 it was played; 1 it was not, or not to its end; 2 wrong options; 3 not confirmed;
     4 it is not known that the arm stands; 130, 143 Ctrl-C or SIGTERM: the arm was brought to rest.
+
+    Args:
+        file: A recording, .mcap, or waypoints, .toml.
+        model: The arm. Default: from the controller or the file.
+        speed: Times as fast; waypoints: up to 1.
+        begin: Begin there in the recording [s].
+        end: End there in the recording [s].
+        bridge: Bridge gaps in which the arm is known to within this [rad].
+        outputs: Also set the digital outputs that changed.
+        record: Record what the arm does to this file.
+        envelope: Limits to keep to: TOML, see docs.
+        check: Print the reasons against playing it; move nothing.
+        rehearse: Play it on a simulated arm before a real one.
+        yes: Do not ask before an arm moves.
     """
     _refuse_unused(context, file, host, speed)
     require_writable("--record", record)

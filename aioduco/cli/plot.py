@@ -19,26 +19,18 @@ _NOTHING_TO_DRAW = "it is neither a recording, .mcap, nor a file of StreamStatis
 
 def plot(
     context: typer.Context,
-    figures: Annotated[
-        Path,
-        typer.Argument(
-            exists=True,
-            dir_okay=False,
-            help="A recording, or a file of `StreamStatistics.save`.",
-        ),
-    ],
-    picture: Annotated[
-        Path | None,
-        typer.Argument(help="Output file, .png or .html. Default: beside the input."),
-    ] = None,
-    over: Annotated[
-        Path | None,
-        typer.Option(exists=True, dir_okay=False, help="Another recording, drawn dashed over it."),
-    ] = None,
+    figures: Annotated[Path, typer.Argument(exists=True, dir_okay=False)],
+    picture: Annotated[Path | None, typer.Argument()] = None,
+    over: Annotated[Path | None, typer.Option(exists=True, dir_okay=False)] = None,
 ) -> None:
     """Draw a recording, as a PNG or as a page with zoom; or how late a stream was, as a PNG.
 
     aioduco plot run.mcap run.html --over last-week.mcap
+
+    Args:
+        figures: A recording, or a file of `StreamStatistics.save`.
+        picture: Output file, .png or .html. Default: beside the input.
+        over: Another recording, drawn dashed over it.
     """
     target = picture or figures.with_suffix(".png")
     require_writable("PICTURE", target)

@@ -32,58 +32,52 @@ FOUND, NOT_RUN = 1, 2
 
 def preflight(
     context: typer.Context,
-    program: Annotated[str, typer.Argument(help="File of the program, or its module with -m.")],
-    arguments: Annotated[
-        list[str] | None,
-        typer.Argument(help="Arguments of the program, after --.", show_default=False),
-    ] = None,
-    module: Annotated[bool, typer.Option("-m", help="The program is a module.")] = False,
-    vendor: Annotated[
-        bool,
-        typer.Option("--vendor", help="Provide the vendor's class DucoCobot by aioduco.compat."),
-    ] = False,
+    program: str,
+    arguments: Annotated[list[str] | None, typer.Argument(show_default=False)] = None,
+    module: Annotated[bool, typer.Option("-m")] = False,
+    vendor: bool = False,
     cell: CellFile = None,
     robot: RobotName = None,
-    model: Annotated[str, typer.Option(help="The arm.")] = "gcr5_910",
+    model: str = "gcr5_910",
     scene: SceneFile = None,
     tool: ToolFile = None,
     mounting: MountingOption = "floor",
     pedestal: Pedestal = 0.0,
-    allow: Annotated[
-        list[str] | None, typer.Option(help="Body that the arm may touch. Can be repeated.")
-    ] = None,
-    reach: Annotated[
-        list[str] | None,
-        typer.Option(help="host:port that the program may connect to. Can be repeated."),
-    ] = None,
-    patience: Annotated[
-        float,
-        typer.Option(min=1.0, help="Time without a change after which the program hangs [s]."),
-    ] = 60.0,
-    timeout: Annotated[float, typer.Option(min=1.0, help="Longest run, in real time [s].")] = 600.0,
-    result: Annotated[Path | None, typer.Option("--json", help="File for the result.")] = None,
-    html: Annotated[Path | None, typer.Option(help="File for a page with pictures.")] = None,
-    quiet: Annotated[
-        bool, typer.Option("--quiet", help="Do not show the program's output.")
-    ] = False,
-    vary: Annotated[
-        str, typer.Option(help="What to vary: start,latency,faults,payload,parts.")
-    ] = "",
-    seed: Annotated[
-        int, typer.Option(min=0, help="Seed of the variation; with --runs the first one.")
-    ] = 0,
-    runs: Annotated[int | None, typer.Option(min=1, help="Number of variations.")] = None,
-    workers: Annotated[
-        int | None,
-        typer.Option(min=1, help="Processes of the local cluster. Default: one per processor."),
-    ] = None,
-    scheduler: Annotated[
-        str | None, typer.Option(help="Address of a Dask scheduler, such as tcp://host:8786.")
-    ] = None,
+    allow: list[str] | None = None,
+    reach: list[str] | None = None,
+    patience: Annotated[float, typer.Option(min=1.0)] = 60.0,
+    timeout: Annotated[float, typer.Option(min=1.0)] = 600.0,
+    result: Annotated[Path | None, typer.Option("--json")] = None,
+    html: Path | None = None,
+    quiet: bool = False,
+    vary: str = "",
+    seed: Annotated[int, typer.Option(min=0)] = 0,
+    runs: Annotated[int | None, typer.Option(min=1)] = None,
+    workers: Annotated[int | None, typer.Option(min=1)] = None,
+    scheduler: str | None = None,
 ) -> None:
     """Try a program on a simulated arm, and say what would go wrong. No arm moves.
 
     Exit status 0: nothing was found; 1: something was; 2: the program could not be tried.
+
+    Args:
+        program: File of the program, or its module with -m.
+        arguments: Arguments of the program, after --.
+        module: The program is a module.
+        vendor: Provide the vendor's class DucoCobot by aioduco.compat.
+        model: The arm.
+        allow: Body that the arm may touch. Can be repeated.
+        reach: host:port that the program may connect to. Can be repeated.
+        patience: Time without a change after which the program hangs [s].
+        timeout: Longest run, in real time [s].
+        result: File for the result.
+        html: File for a page with pictures.
+        quiet: Do not show the program's output.
+        vary: What to vary: start,latency,faults,payload,parts.
+        seed: Seed of the variation; with --runs the first one.
+        runs: Number of variations.
+        workers: Processes of the local cluster. Default: one per processor.
+        scheduler: Address of a Dask scheduler, such as tcp://host:8786.
     """
     if runs is None:
         refuse_unused(context, "--runs", "workers", "scheduler")

@@ -20,15 +20,12 @@ _READ_BACK = 100_000
 
 def record(
     host: Host = None,
-    output: Annotated[
-        Path,
-        typer.Option("--output", "-o", help="File to write. An existing file is kept."),
-    ] = Path("run.mcap"),
+    output: Annotated[Path, typer.Option("--output", "-o")] = Path("run.mcap"),
     port: Port = None,
     cell: CellFile = None,
-    rate: Annotated[float, typer.Option(min=1, max=1000, help="Samples per second.")] = 125.0,
+    rate: Annotated[float, typer.Option(min=1, max=1000)] = 125.0,
     seconds: Duration = None,
-    forces: Annotated[bool, typer.Option(help="Also record forces and external torques.")] = True,
+    forces: bool = True,
 ) -> None:
     """Record what an arm does, until Ctrl-C, whichever program moves it. This moves nothing.
 
@@ -38,6 +35,11 @@ def record(
 
     Exit codes: 0 the file is complete; 1 nothing was recorded, it ended early, or the controller
     did not answer at the end; 2 wrong options; 143 SIGTERM: the file is complete.
+
+    Args:
+        output: File to write. An existing file is kept.
+        rate: Samples per second.
+        forces: Also record forces and external torques.
     """
     require_writable("--output", output)
     extras.need("record")

@@ -32,17 +32,18 @@ Port: TypeAlias = Annotated[
 
 
 def ros1(
-    remappings: Annotated[
-        list[str] | None,
-        typer.Argument(help="ROS arguments: `_prefix:=left_ __ns:=left joint_states:=/js` …"),
-    ] = None,
-    host: Annotated[str, typer.Option(help="Address of the controller; or _host:=…")] = "",
+    remappings: Annotated[list[str] | None, typer.Argument()] = None,
+    host: str = "",
     port: Port = None,
 ) -> None:
     """Run the driver of one arm as a node of ROS 1, until Ctrl-C. Two arms are two nodes.
 
     Exit codes: 0 it was ended, by Ctrl-C, too, as launch files expect; 1 no ROS, no master, or no
     controller; 2 wrong options, arguments or parameters. The arm stands then.
+
+    Args:
+        remappings: ROS arguments: `_prefix:=left_ __ns:=left joint_states:=/js` …
+        host: Address of the controller; or _host:=…
     """
     if missing := _missing(_ROS1):
         fail(
@@ -60,7 +61,7 @@ def ros1(
 
 def ros2(
     context: typer.Context,
-    host: Annotated[str, typer.Option(help="Address of the controller; or -p host:=…")] = "",
+    host: str = "",
     port: Port = None,
 ) -> None:
     """Run the driver of one arm as a node of ROS 2, until Ctrl-C. Two arms are two nodes.
@@ -69,6 +70,9 @@ def ros2(
 
     Exit codes: 0 it was ended, by Ctrl-C, too, as launch files expect; 1 no ROS, or no controller;
     2 wrong options, arguments or parameters. The arm stands then.
+
+    Args:
+        host: Address of the controller; or -p host:=…
     """
     if missing := _missing(_ROS2):
         fail(

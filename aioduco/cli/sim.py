@@ -32,78 +32,47 @@ if TYPE_CHECKING:
 
 
 def sim(
-    model: Annotated[
-        str | None, typer.Option(help="The arm to simulate. Default: the profile's, or gcr5_910.")
-    ] = None,
-    profile: Annotated[
-        Path | None,
-        typer.Option(
-            exists=True, dir_okay=False, help="Profile of one arm, from `aioduco calibrate`."
-        ),
-    ] = None,
-    generation: Annotated[
-        str,
-        typer.Option(
-            help="The controller that it plays: 3.8, 4.3, older, oldest or first; see the docs."
-        ),
-    ] = "3.8",
+    model: str | None = None,
+    profile: Annotated[Path | None, typer.Option(exists=True, dir_okay=False)] = None,
+    generation: str = "3.8",
     cell: CellFile = None,
     robot: RobotName = None,
-    host: Annotated[
-        str, typer.Option(help="Address to listen on. 0.0.0.0: the whole network.")
-    ] = "127.0.0.1",
-    port: Annotated[
-        int, typer.Option(min=0, max=65535, help="Port to listen on. 0: a free one.")
-    ] = 7003,
-    status_port: Annotated[
-        int | None,
-        typer.Option(
-            min=0, max=65535, help="Also push status frames on this port. A controller: 2001."
-        ),
-    ] = None,
-    force_port: Annotated[
-        int | None,
-        typer.Option(
-            min=0, max=65535, help="Also stream forces from this UDP port. A controller: 2011."
-        ),
-    ] = None,
-    control_port: Annotated[
-        int | None,
-        typer.Option(min=0, max=65535, help="Port for `aioduco sim-do`. Default: port + 10000."),
-    ] = None,
-    speed: Annotated[
-        float,
-        typer.Option(
-            min=0.01, max=1000.0, help="Speed of simulated time, as a multiple of real time."
-        ),
-    ] = 1.0,
-    programs: Annotated[
-        Path | None,
-        typer.Option(exists=True, file_okay=False, help="Folder of programs, `NAME.json`."),
-    ] = None,
+    host: str = "127.0.0.1",
+    port: Annotated[int, typer.Option(min=0, max=65535)] = 7003,
+    status_port: Annotated[int | None, typer.Option(min=0, max=65535)] = None,
+    force_port: Annotated[int | None, typer.Option(min=0, max=65535)] = None,
+    control_port: Annotated[int | None, typer.Option(min=0, max=65535)] = None,
+    speed: Annotated[float, typer.Option(min=0.01, max=1000.0)] = 1.0,
+    programs: Annotated[Path | None, typer.Option(exists=True, file_okay=False)] = None,
     scene: SceneFile = None,
     tool: ToolFile = None,
-    gripper: Annotated[
-        str | None,
-        typer.Option(help="A gripper at the flange, such as robotiq_2f85, dh_ag95, parallel."),
-    ] = None,
+    gripper: str | None = None,
     mounting: MountingOption = "floor",
     pedestal: Pedestal = 0.0,
-    render: Annotated[
-        Path | None,
-        typer.Option(help="At the end, write what the arm did as .gif, or how it stands as .png."),
-    ] = None,
-    strict: Annotated[
-        bool,
-        typer.Option("--strict", help="Refuse calls that the manual forbids. Default: log them."),
-    ] = False,
-    real_readings: Annotated[
-        bool,
-        typer.Option("--real-readings", help="Readings in single precision, with noise of forces."),
-    ] = False,
-    view: Annotated[bool, typer.Option("--view", help="Show the arm in MuJoCo's window.")] = False,
+    render: Path | None = None,
+    strict: bool = False,
+    real_readings: bool = False,
+    view: bool = False,
 ) -> None:
-    """Run a simulated controller until Ctrl-C, or until a client shuts it down."""
+    """Run a simulated controller until Ctrl-C, or until a client shuts it down.
+
+    Args:
+        model: The arm to simulate. Default: the profile's, or gcr5_910.
+        profile: Profile of one arm, from `aioduco calibrate`.
+        generation: The controller that it plays: 3.8, 4.3, older, oldest or first; see the docs.
+        host: Address to listen on. 0.0.0.0: the whole network.
+        port: Port to listen on. 0: a free one.
+        status_port: Also push status frames on this port. A controller: 2001.
+        force_port: Also stream forces from this UDP port. A controller: 2011.
+        control_port: Port for `aioduco sim-do`. Default: port + 10000.
+        speed: Speed of simulated time, as a multiple of real time.
+        programs: Folder of programs, `NAME.json`.
+        gripper: A gripper at the flange, such as robotiq_2f85, dh_ag95, parallel.
+        render: At the end, write what the arm did as .gif, or how it stands as .png.
+        strict: Refuse calls that the manual forbids. Default: log them.
+        real_readings: Readings in single precision, with noise of forces.
+        view: Show the arm in MuJoCo's window.
+    """
     extras.need("sim", *(("plot",) if render else ()))
     if model is None and profile is None:
         model = "gcr5_910"

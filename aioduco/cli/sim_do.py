@@ -21,16 +21,17 @@ def control_port_of(port: int) -> int:
 
 
 def sim_do(
-    words: Annotated[
-        list[str] | None, typer.Argument(help="Command, such as: input 3 on. Without one: help.")
-    ] = None,
-    port: Annotated[int, typer.Option(min=1, max=65535, help="Port of the simulator.")] = 7003,
-    control_port: Annotated[
-        int | None,
-        typer.Option(min=1, max=65535, help="Port for commands. Default: port + 10000."),
-    ] = None,
+    words: Annotated[list[str] | None, typer.Argument()] = None,
+    port: Annotated[int, typer.Option(min=1, max=65535)] = 7003,
+    control_port: Annotated[int | None, typer.Option(min=1, max=65535)] = None,
 ) -> None:
-    """Do something at a simulator that runs on this computer: inputs, emergency stop, pushes."""
+    """Do something at a simulator that runs on this computer: inputs, emergency stop, pushes.
+
+    Args:
+        words: Command, such as: input 3 on. Without one: help.
+        port: Port of the simulator.
+        control_port: Port for commands. Default: port + 10000.
+    """
     where = control_port or control_port_of(port)
     if not where:
         raise typer.BadParameter(

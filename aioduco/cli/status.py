@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -23,12 +23,8 @@ def status(
     host: Host = None,
     port: Port = None,
     cell: CellFile = None,
-    ready: Annotated[
-        bool, typer.Option("--ready", help="End with 1 if a motion would not start now.")
-    ] = False,
-    json: Annotated[
-        bool, typer.Option("--json", help="Print it as JSON: metres, radians.")
-    ] = False,
+    ready: bool = False,
+    json: bool = False,
 ) -> None:
     """Say what state an arm and its controller are in. Nothing moves.
 
@@ -37,6 +33,10 @@ def status(
     aioduco status left --ready && aioduco move joints 0 0 90 0 -90 0 --deg --host left
 
     Exit codes: 0 it was read; 1 no controller, or not ready; 2 wrong options.
+
+    Args:
+        ready: End with 1 if a motion would not start now.
+        json: Print it as JSON: metres, radians.
     """
     address = robot_at(host, port, cell)
     found = look(address)

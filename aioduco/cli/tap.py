@@ -34,20 +34,10 @@ def tap(
     host: Host = None,
     port: Port = None,
     cell: CellFile = None,
-    listen: Annotated[
-        str,
-        typer.Option(help="Address and port for clients. Port 0: a free one."),
-    ] = "127.0.0.1:7004",
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", help="Also write the calls to this .jsonl or .mcap file."),
-    ] = None,
-    only: Annotated[
-        str | None, typer.Option(help="Show only these functions, with commas between them.")
-    ] = None,
-    json: Annotated[
-        bool, typer.Option("--json", help="Print a line of JSON for each call.")
-    ] = False,
+    listen: str = "127.0.0.1:7004",
+    output: Annotated[Path | None, typer.Option("--output", "-o")] = None,
+    only: str | None = None,
+    json: bool = False,
 ) -> None:
     """Show each call of any client to any controller, with its answer and time. Ctrl-C ends it.
 
@@ -55,6 +45,12 @@ def tap(
     connections break, as if the cable had been cut.
 
     aioduco tap 192.168.1.10 --listen 127.0.0.1:7003 -o calls.jsonl
+
+    Args:
+        listen: Address and port for clients. Port 0: a free one.
+        output: Also write the calls to this .jsonl or .mcap file.
+        only: Show only these functions, with commas between them.
+        json: Print a line of JSON for each call.
     """
     from aioduco.errors import DucoError  # noqa: PLC0415 - for this command alone
     from aioduco.recording.tap import Tap, TapNote  # noqa: PLC0415

@@ -28,15 +28,11 @@ _END = "q"
 def teach(
     context: typer.Context,
     host: Host = None,
-    output: Annotated[
-        Path, typer.Option("--output", "-o", help="File; new waypoints are appended to it.")
-    ] = Path("waypoints.toml"),
+    output: Annotated[Path, typer.Option("--output", "-o")] = Path("waypoints.toml"),
     port: Port = None,
     cell: CellFile = None,
     guide: Guide = True,
-    yes: Annotated[
-        bool, typer.Option("--yes", help="Do not ask before hand guiding begins.")
-    ] = False,
+    yes: bool = False,
 ) -> None:
     """Guide the arm by hand, and press Enter to store where it is.
 
@@ -52,6 +48,10 @@ def teach(
 
     Exit codes: 0 it ended; 1 it failed; 2 wrong options; 3 not confirmed; 4 it is not known that
     the arm stands; 130, 143 Ctrl-C or SIGTERM: the arm stands.
+
+    Args:
+        output: File; new waypoints are appended to it.
+        yes: Do not ask before hand guiding begins.
     """
     if cell is not None:
         refuse_unused(context, "waypoints: with --cell, points are stored there", "output")

@@ -53,31 +53,15 @@ def teleop(
     host: HostOrSimulator = None,
     port: Port = None,
     cell: CellFile = None,
-    device: Annotated[
-        DeviceName, typer.Option(help="Input device that moves the arm.")
-    ] = DeviceName.KEYBOARD,
-    path: Annotated[
-        str | None, typer.Option(help="The device's file, such as /dev/input/js0.")
-    ] = None,
-    frame: Annotated[
-        TeleopFrame, typer.Option(help="Frame along whose axes the tool moves.")
-    ] = TeleopFrame.BASE,
-    wobj: Annotated[
-        str, typer.Option(help="Name of the work object. Default: the one in use.")
-    ] = "",
-    joints: Annotated[bool, typer.Option("--joints", help="Turn the joints instead.")] = False,
-    speed: Annotated[
-        float, typer.Option(min=1e-4, max=1.0, help="Speed of the tool [m/s].")
-    ] = 0.05,
-    turn_speed: Annotated[
-        float, typer.Option(min=1e-3, max=3.0, help="Turning speed of the tool [rad/s].")
-    ] = 0.2,
-    joint_speed: Annotated[
-        float, typer.Option(min=1e-3, max=3.0, help="Speed of each joint, with --joints [rad/s].")
-    ] = 0.1,
-    record: Annotated[
-        Path | None, typer.Option(help="Record the arm to this file, for `aioduco play`.")
-    ] = None,
+    device: DeviceName = DeviceName.KEYBOARD,
+    path: str | None = None,
+    frame: TeleopFrame = TeleopFrame.BASE,
+    wobj: str = "",
+    joints: bool = False,
+    speed: Annotated[float, typer.Option(min=0.0001, max=1.0)] = 0.05,
+    turn_speed: Annotated[float, typer.Option(min=0.001, max=3.0)] = 0.2,
+    joint_speed: Annotated[float, typer.Option(min=0.001, max=3.0)] = 0.1,
+    record: Path | None = None,
     yes: Yes = False,
 ) -> None:
     """Move an arm by keys, a gamepad or a SpaceMouse, as long as they are held. It asks first.
@@ -90,6 +74,17 @@ def teleop(
 
     Exit codes: 0 it was ended; 1 something went wrong; 2 wrong options; 3 not confirmed; 4 it is
     not known that the arm stands; 130, 143 Ctrl-C or SIGTERM: the arm was stopped.
+
+    Args:
+        device: Input device that moves the arm.
+        path: The device's file, such as /dev/input/js0.
+        frame: Frame along whose axes the tool moves.
+        wobj: Name of the work object. Default: the one in use.
+        joints: Turn the joints instead.
+        speed: Speed of the tool [m/s].
+        turn_speed: Turning speed of the tool [rad/s].
+        joint_speed: Speed of each joint, with --joints [rad/s].
+        record: Record the arm to this file, for `aioduco play`.
     """
     if host is None:
         refuse_unused(context, "HOST: without it, a simulated arm is led", "port", "cell")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from aioduco.cli.addresses import CellFile, Host, Port, robot_at
+from aioduco.cli.described import DescribedCommand
 from aioduco.cli.exit_codes import ended_by_errors, fail, say_error
 from aioduco.cli.options import Guide, Json, Yes, refuse_unused
 from aioduco.cli.output import print_json, say
@@ -22,7 +23,9 @@ if TYPE_CHECKING:
     from aioduco.sync import Robot
 
 
-tool: typer.Typer = typer.Typer(no_args_is_help=True, help="Measure the tool at the flange.")
+tool: typer.Typer = typer.Typer(
+    name="tool", no_args_is_help=True, help="Measure the tool at the flange."
+)
 
 #: fewer touches give no result
 _MIN_TOUCHES = 4
@@ -33,30 +36,18 @@ times or more: tilted by 30 to 60 degrees to different sides, and turned about t
 in between."""
 
 
-@tool.command()
+@tool.command(cls=DescribedCommand)
 def touch(
     context: typer.Context,
     host: Host = None,
     port: Port = None,
     cell: CellFile = None,
-    name: Annotated[
-        str | None,
-        typer.Option(help="Define a tool of this name on the controller: it asks first."),
-    ] = None,
-    axes: Annotated[
-        bool, typer.Option("--axes", help="Find the tool's axes, too, by two more positions.")
-    ] = False,
+    name: str | None = None,
+    axes: bool = False,
     load: Annotated[
-        tuple[float, float, float, float] | None,
-        typer.Option(
-            metavar="KG X Y Z",
-            help="Mass of the tool, and its centre in the flange's frame [m], for --name. "
-            "Default: that of the tool in use.",
-        ),
+        tuple[float, float, float, float] | None, typer.Option(metavar="KG X Y Z")
     ] = None,
-    touches: Annotated[
-        int, typer.Option(min=_MIN_TOUCHES, max=100, help="Least number of touches.")
-    ] = 6,
+    touches: Annotated[int, typer.Option(min=_MIN_TOUCHES, max=100)] = 6,
     guide: Guide = True,
     yes: Yes = False,
     json: Json = False,
@@ -71,6 +62,13 @@ def touch(
 
     Exit codes: 0 it was found; 1 it was not, or no controller; 2 wrong options; 3 not confirmed:
     nothing was written; 4 it is not known that the arm stands; 130, 143 Ctrl-C or SIGTERM.
+
+    Args:
+        name: Define a tool of this name on the controller: it asks first.
+        axes: Find the tool's axes, too, by two more positions.
+        load: Mass of the tool, and its centre in the flange's frame [m], for --name. Default: that
+            of the tool in use.
+        touches: Least number of touches.
     """
     if name is None:
         refuse_unused(context, "--name", "load")

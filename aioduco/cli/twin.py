@@ -46,35 +46,18 @@ def twin(
     context: typer.Context,
     host: Host = None,
     port: Port = None,
-    learn: Annotated[
-        Path | None,
-        typer.Option(exists=True, dir_okay=False, help="Learn the limits from this good run."),
-    ] = None,
-    limits: Annotated[
-        Path | None,
-        typer.Option(help="File of the limits: with --learn it is written, and otherwise read."),
-    ] = None,
-    judge: Annotated[
-        Path | None,
-        typer.Option(exists=True, dir_okay=False, help="Judge this recording; no arm is needed."),
-    ] = None,
-    arm: Annotated[
-        str | None, typer.Option(help="The arm. Default: the one that the controller reports.")
-    ] = None,
+    learn: Annotated[Path | None, typer.Option(exists=True, dir_okay=False)] = None,
+    limits: Path | None = None,
+    judge: Annotated[Path | None, typer.Option(exists=True, dir_okay=False)] = None,
+    arm: str | None = None,
     mounting: MountingOption = "floor",
-    action: Annotated[str, typer.Option(help="When they part: report, pause or stop.")] = "report",
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="Record the arm to this file, too.")
-    ] = None,
-    rate: Annotated[float, typer.Option(min=25, max=500, help="Samples per second.")] = 125.0,
+    action: str = "report",
+    output: Annotated[Path | None, typer.Option("--output", "-o")] = None,
+    rate: Annotated[float, typer.Option(min=25, max=500)] = 125.0,
     seconds: Duration = None,
-    json: Annotated[bool, typer.Option("--json", help="Print each divergence as JSON.")] = False,
-    panel: Annotated[
-        bool, typer.Option("--panel", help="Show the arm and its twin in the browser.")
-    ] = False,
-    listen: Annotated[
-        int, typer.Option(min=0, max=65534, help="With --panel: port of the page. 0: any.")
-    ] = 8080,
+    json: bool = False,
+    panel: bool = False,
+    listen: Annotated[int, typer.Option(min=0, max=65534)] = 8080,
 ) -> None:
     """Watch an arm beside a simulated one, whichever program moves it, until Ctrl-C.
 
@@ -94,6 +77,18 @@ def twin(
 
     Exit codes: 0 nothing parted; 1 no controller, it ended early, or the controller did not answer
     at the end; 2 wrong options; 6 they parted.
+
+    Args:
+        learn: Learn the limits from this good run.
+        limits: File of the limits: with --learn it is written, and otherwise read.
+        judge: Judge this recording; no arm is needed.
+        arm: The arm. Default: the one that the controller reports.
+        action: When they part: report, pause or stop.
+        output: Record the arm to this file, too.
+        rate: Samples per second.
+        json: Print each divergence as JSON.
+        panel: Show the arm and its twin in the browser.
+        listen: With --panel: port of the page. 0: any.
     """
     without_page = ("action", "output", "rate")
     if judge is not None or (learn is not None and host is None):

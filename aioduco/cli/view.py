@@ -17,18 +17,12 @@ def view(
     host: Host = None,
     port: Port = None,
     cell: CellFile = None,
-    foxglove: Annotated[
-        bool, typer.Option("--foxglove", help="As a WebSocket for Foxglove and Lichtblick.")
-    ] = False,
-    listen: Annotated[
-        int, typer.Option(min=0, max=65535, help="Port of the WebSocket. 0: a free one.")
-    ] = 8765,
-    bind: Annotated[
-        str, typer.Option(help="Address of the WebSocket. 0.0.0.0: the whole network may watch.")
-    ] = "127.0.0.1",
-    rate: Annotated[float, typer.Option(min=1, max=1000, help="Samples a second.")] = 50.0,
+    foxglove: bool = False,
+    listen: Annotated[int, typer.Option(min=0, max=65535)] = 8765,
+    bind: str = "127.0.0.1",
+    rate: Annotated[float, typer.Option(min=1, max=1000)] = 50.0,
     seconds: Duration = None,
-    forces: Annotated[bool, typer.Option(help="Also forces and external torques.")] = True,
+    forces: bool = True,
 ) -> None:
     """Publish what an arm does, until Ctrl-C, whichever program moves it. This moves nothing.
 
@@ -38,6 +32,13 @@ def view(
 
     Exit codes: 0 it ran until it was ended; 1 no controller, or the port is taken; 2 wrong
     options; 143 SIGTERM.
+
+    Args:
+        foxglove: As a WebSocket for Foxglove and Lichtblick.
+        listen: Port of the WebSocket. 0: a free one.
+        bind: Address of the WebSocket. 0.0.0.0: the whole network may watch.
+        rate: Samples a second.
+        forces: Also forces and external torques.
     """
     if not foxglove:
         raise typer.BadParameter("say what to view it with: --foxglove")

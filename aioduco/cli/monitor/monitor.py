@@ -24,8 +24,8 @@ def monitor(
     host: Host = None,
     port: Port = None,
     cell: CellFile = None,
-    rate: Annotated[float, typer.Option(min=1, max=50, help="Samples per second.")] = 10.0,
-    forces: Annotated[bool, typer.Option(help="Also show forces and external torques.")] = True,
+    rate: Annotated[float, typer.Option(min=1, max=50)] = 10.0,
+    forces: bool = True,
 ) -> None:
     """Watch an arm in the terminal, whichever program moves it; keys stop, pause and resume it.
 
@@ -36,6 +36,10 @@ def monitor(
 
     Exit codes: 0 quit; 1 no controller; 2 wrong options, or no terminal; 130, 143, 129 Ctrl-C,
     SIGTERM, or the terminal was closed.
+
+    Args:
+        rate: Samples per second.
+        forces: Also show forces and external torques.
     """
     address = robot_at(host, port, cell)
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
