@@ -236,8 +236,6 @@ from __future__ import annotations
 
 from typing import Final
 
-__all__ = ["PLACES"]
-
 '''
 SECTION = '''
 

@@ -1,22 +1,48 @@
-"""Every public class of the package: those in `__all__` of its packages, and on the pages."""
+"""Every public class of the package: those that its packages list, and those on the pages."""
 
 from __future__ import annotations
 
+import ast
 import importlib
 import inspect
 import pkgutil
 import re
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import aioduco
+
+if TYPE_CHECKING:
+    from types import ModuleType
 
 _PAGES = Path(__file__).parents[1] / "docs"
 _NAMED = re.compile(r"^::: (aioduco\S*)", re.MULTILINE)
 #: modules below the top whose names are public, besides those on the pages and of packages in these
 _DEEPER = ("aioduco.sim.scene", "aioduco.integrations.gym.environment")
 _GROUPS = ("aioduco.devices", "aioduco.integrations", "aioduco.recording", "aioduco.testing")
+
+
+def own_names(tree: ast.Module) -> set[str]:
+    """The names that a module defines at its top."""
+    names: set[str] = set()
+    for node in tree.body:
+        if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+            names.add(node.name)
+        elif isinstance(node, ast.Assign | ast.AnnAssign):
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            parts = (each for target in targets for each in ast.walk(target))
+            names |= {each.id for each in parts if isinstance(each, ast.Name)}
+    return names
+
+
+def public_names(module: ModuleType) -> list[str]:
+    """What a module lists, or the names without an underscore that it defines."""
+    listed: list[str] | None = getattr(module, "__all__", None)
+    if listed is not None:
+        return listed
+    own = own_names(ast.parse(inspect.getsource(module)))
+    return sorted(name for name in own if name[0] != "_")
 
 
 def named_on_pages() -> list[str]:
@@ -43,7 +69,7 @@ def public_classes() -> list[type[Any]]:
         if inspect.ismodule(thing):
             found.update(
                 value
-                for name in getattr(thing, "__all__", ())
+                for name in public_names(thing)
                 if inspect.isclass(value := getattr(thing, name))
             )
         elif inspect.isclass(thing):

@@ -10,8 +10,6 @@ import anyio.to_thread
 
 from aioduco._process.copying import Uncopied
 
-__all__ = ["Closable", "Startable"]
-
 
 class Closable(Uncopied):
     """Closes on exit; asynchronously in a thread, as it takes a while."""

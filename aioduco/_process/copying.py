@@ -7,8 +7,6 @@ from typing import Any, ClassVar, NoReturn, Self, TypeVar
 
 from aioduco.errors import NotCopyable
 
-__all__ = ["Frozen", "Uncopied"]
-
 _Value = TypeVar("_Value", bound="Frozen")
 
 

@@ -15,8 +15,6 @@ from aioduco._process.spawn import Process
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["LinkedProcess", "ValueChannel"]
-
 _HEAD = struct.Struct("<Q")
 #: time for a process to exit after its channel was closed [s]
 _END = 5.0

@@ -35,35 +35,6 @@ else:
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
-__all__ = [
-    "BINARY",
-    "CLOSE_ON_EXEC",
-    "CONNECTING",
-    "NEW_GROUP",
-    "PRIVATE",
-    "SHARED",
-    "boost_main_thread",
-    "boot_time",
-    "clock_step",
-    "drop_realtime_priority",
-    "ending_signals",
-    "handed_socket",
-    "hands_over_by_number",
-    "has_child",
-    "has_device_files",
-    "has_memory_files",
-    "limits_sockets",
-    "missing_guard_features",
-    "private",
-    "processors",
-    "readiness",
-    "realtime_priority",
-    "set_affinity",
-    "set_realtime_priority",
-    "single_keys",
-    "unacknowledged",
-]
-
 #: flags of `os.open`: 0 where a system has none
 BINARY: Final = getattr(os, "O_BINARY", 0)
 CLOSE_ON_EXEC: Final = getattr(os, "O_CLOEXEC", 0)

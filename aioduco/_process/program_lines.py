@@ -7,8 +7,6 @@ from functools import cache
 from pathlib import Path
 from typing import Final
 
-__all__ = ["PACKAGE", "of_program"]
-
 PACKAGE: Final = Path(__file__).resolve().parents[1]
 """Folder of this package."""
 

@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from types import CodeType
 
-__all__ = ["FLUSH_LIMIT", "BackgroundLogger", "Reporter", "reporter"]
-
 #: seconds to write the queued messages, when a robot is closed or the interpreter exits
 FLUSH_LIMIT: Final = 1.0
 #: maximum number of queued messages and events

@@ -6,8 +6,6 @@ import os
 import struct
 import sys
 
-__all__ = ["shorten_slice"]
-
 #: number of the system call sched_setattr, by machine; glibc has a name for it only from 2.41 on
 _SCHED_SETATTR = {"x86_64": 314, "aarch64": 274, "riscv64": 274, "armv7l": 380}
 #: size, policy, flags, nice, priority, runtime, deadline, period

@@ -31,16 +31,6 @@ if TYPE_CHECKING:
     import socket
     from collections.abc import Iterable, Sequence
 
-__all__ = [
-    "MARK",
-    "MUJOCO_PACKAGES",
-    "Process",
-    "Unstartable",
-    "children",
-    "is_frozen",
-    "started_in_place_of",
-]
-
 #: first argument of a frozen program that must run one of the processes
 MARK: Final = "--aioduco-process"
 #: environment variable of each process: its module

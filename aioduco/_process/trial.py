@@ -19,18 +19,6 @@ if TYPE_CHECKING:
 
     Settings = TypeVar("Settings", bound=DataclassInstance)
 
-__all__ = [
-    "Moment",
-    "Trial",
-    "at_own_pace",
-    "current",
-    "moment",
-    "started",
-    "untimed",
-    "waiting",
-    "wall",
-]
-
 
 class Moment(float):
     """A time on the clock of a program that is tried [s of its `time.monotonic`].

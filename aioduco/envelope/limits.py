@@ -22,20 +22,6 @@ if TYPE_CHECKING:
 
     from aioduco.kinematics import Arm
 
-__all__ = [
-    "BODIES",
-    "Action",
-    "Body",
-    "Crossing",
-    "Envelope",
-    "EnvelopeLimit",
-    "JointMargin",
-    "SingularityMargin",
-    "ToolForce",
-    "ToolSpeed",
-    "Zone",
-]
-
 Action: TypeAlias = Literal["refuse", "slow", "stop"]
 Body: TypeAlias = Literal["tool", "elbow", "flange"]
 

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
     from aioduco.models.rotation import Array
 
-__all__ = ["POSITION_LIMIT", "Arm", "Singularity"]
-
 POSITION_LIMIT = 2 * math.pi
 """Joints reach ±2π [rad] (manual section 1.3.5). The vendor's URDFs say ±π."""
 

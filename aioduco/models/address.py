@@ -9,18 +9,6 @@ from aioduco.errors import ParameterError
 from aioduco.models.host_port import host_port
 from aioduco.models.similar import did_you_mean
 
-__all__ = [
-    "CELL_KEYS",
-    "HOST_RULE",
-    "PORT",
-    "RobotAddress",
-    "WrongAddress",
-    "host_alone",
-    "is_host",
-    "parse_address",
-    "robots_of",
-]
-
 HOST_RULE: Final = (
     "a name or an address, without http://, slashes, blanks and control characters, each part 1 to "
     "63 characters long, 253 in all"

@@ -13,8 +13,6 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["Clock", "ScaledClock", "WallClock", "release_nothing"]
-
 
 @runtime_checkable
 class Clock(Protocol):

@@ -13,17 +13,6 @@ from typing import TYPE_CHECKING, NoReturn, Self
 from aioduco.errors import MotionCarriedOut
 from aioduco.models.named_int import NamedInt
 
-__all__ = [
-    "FileKind",
-    "OperationMode",
-    "Outcome",
-    "OutputMode",
-    "ProgramState",
-    "RobotState",
-    "SafetyState",
-    "TaskState",
-]
-
 
 class _WireEnum(NamedInt):
     """An integer of the wire with names for the values that the manual lists."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-__all__ = ["host_port"]
-
 
 def host_port(host: str, port: int) -> str:
     """The text of an address: `arm.lan:7003`, or `[::1]:7003`."""

@@ -30,8 +30,6 @@ if TYPE_CHECKING:
 
     from aioduco.models.rotation import Array
 
-__all__ = ["Joints", "JointsLike", "Pose", "PoseLike", "QuaternionOrder"]
-
 QuaternionOrder: TypeAlias = Literal["wxyz", "xyzw"]
 
 #: tolerance for a rotation matrix times its transpose: only for digits lost in a file. With six

@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["MisspeltRefused", "did_you_mean", "unknown"]
-
 #: characters of the longest text that may be a name, and is shown whole
 _LONGEST = 100
 #: likeness (`difflib`) from which a name is a misspelt one: a letter or two of `envelope`

@@ -10,8 +10,6 @@ from aioduco.errors import ParameterError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["deg", "mm"]
-
 
 @overload
 def deg(value: float, /) -> float: ...

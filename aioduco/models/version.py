@@ -6,8 +6,6 @@ import re
 from dataclasses import dataclass
 from typing import Final, Literal, TypeAlias
 
-__all__ = ["ControllerVersion", "Manual"]
-
 Manual: TypeAlias = Literal["3.8", "4.3"]
 
 _NUMBERS = re.compile(r"\d+(?:\.\d+)*")

@@ -16,8 +16,6 @@ import anyio.lowlevel
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Coroutine, Generator
 
-__all__ = ["Cancelled", "How", "cancel_at", "cancel_at_every_await"]
-
 How = Literal["scope", "task"]
 """How a program is cancelled.
 

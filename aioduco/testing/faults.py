@@ -21,30 +21,6 @@ from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.rules import Integer, Number, stored
 
-__all__ = [
-    "ApplicationError",
-    "Chaos",
-    "Cut",
-    "Delay",
-    "DropReply",
-    "DropRequest",
-    "Ending",
-    "Fault",
-    "Garbage",
-    "HalfOpen",
-    "HoldReply",
-    "Place",
-    "Plan",
-    "RepeatReply",
-    "Script",
-    "Throttle",
-    "WrongKind",
-    "WrongMethod",
-    "WrongSeqid",
-    "rewritten",
-]
-
-
 _SEQID_RANGE: Final = 1 << 32
 _SHARE: Final = Number(0.0, 1.0, source="this package")
 _TIMES: Final = Integer(0, 2**31 - 1, source="this package")

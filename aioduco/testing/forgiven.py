@@ -10,8 +10,6 @@ if TYPE_CHECKING:
 
     from aioduco.sim import Simulator
 
-__all__ = ["nothing_forgiven"]
-
 
 @contextlib.contextmanager
 def nothing_forgiven(simulator: Simulator) -> Iterator[None]:

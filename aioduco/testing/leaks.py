@@ -13,8 +13,6 @@ from aioduco._process.platform import has_child
 from aioduco.models.ranges import WAIT
 from aioduco.testing.waiting import eventually, eventually_async
 
-__all__ = ["Resources", "no_leaks"]
-
 
 @dataclass(frozen=True, slots=True)
 class Resources:

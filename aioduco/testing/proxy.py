@@ -21,8 +21,6 @@ from aioduco.testing.relay import AwaitedSocket, Relay, Valve
 if TYPE_CHECKING:
     from anyio.abc import TaskGroup, TaskStatus
 
-__all__ = ["FaultProxy"]
-
 _HOST = "127.0.0.1"
 
 

@@ -15,8 +15,6 @@ from aioduco.sim.server import Server
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-__all__ = ["ReceivedCall", "RecordingServer"]
-
 
 @dataclass(frozen=True, slots=True)
 class ReceivedCall:

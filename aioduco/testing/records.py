@@ -10,8 +10,6 @@ if TYPE_CHECKING:
     from aioduco._wire.messages import Message
     from aioduco.testing.faults import Fault
 
-__all__ = ["CallRecord", "ConnectionRecord", "ProxyStatistics", "Records"]
-
 
 @dataclass(frozen=True, slots=True)
 class CallRecord:

@@ -13,8 +13,6 @@ from aioduco.models.rules import condition_holds
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-__all__ = ["eventually", "eventually_async"]
-
 #: seconds between two checks, at first and at last: a condition that holds soon is detected soon,
 #: and a long wait leaves the processor to what it waits for
 _FIRST = 0.0005

@@ -13,20 +13,6 @@ from aioduco.models.named_int import NamedInt
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = [
-    "FORCE",
-    "INITIALIZE",
-    "OPEN",
-    "POSITION",
-    "SPEED",
-    "STATE",
-    "STATE_COUNT",
-    "DhGrip",
-    "DhState",
-    "Initialization",
-    "state",
-]
-
 INITIALIZE, FORCE, POSITION, SPEED = 0x0100, 0x0101, 0x0103, 0x0104
 #: first of three registers: state of the initialization, state of the grip, position
 STATE = 0x0200

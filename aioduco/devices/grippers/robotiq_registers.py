@@ -13,20 +13,6 @@ from aioduco.models.named_int import NamedInt
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = [
-    "COMMAND",
-    "FAULTS",
-    "STATUS",
-    "STATUS_COUNT",
-    "Activation",
-    "RobotiqGrip",
-    "RobotiqStatus",
-    "activation",
-    "request",
-    "reset",
-    "status",
-]
-
 #: first register of the command (rACT to rFR) and of the status (gACT to gCU)
 COMMAND, STATUS = 0x03E8, 0x07D0
 STATUS_COUNT = 3

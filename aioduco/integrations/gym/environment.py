@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 
     Vector = NDArray[np.float64]
 
-__all__ = ["ArmEnv"]
-
 _STEP = 0.015  # distance of the tip for the largest action [m]
 _TURN = 0.04  # angle of a joint for the largest action [rad]
 _JUMP = 0.5  # largest change of a joint between two targets; more is another configuration [rad]

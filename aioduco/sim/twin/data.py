@@ -12,8 +12,6 @@ if TYPE_CHECKING:
 
     from aioduco.models.state import ForceStatus, RobotStates, RobotStatus
 
-__all__ = ["Cause", "Divergence", "Quantity", "Six", "TwinCommand", "TwinSample"]
-
 #: six numbers, one for each joint or each direction
 Six: TypeAlias = tuple[float, ...]
 
