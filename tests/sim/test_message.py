@@ -10,15 +10,9 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from aioduco._wire import idl, rpc
-from aioduco.sim.server.processor import (
-    CALL,
-    MAX_DEPTH,
-    MAX_ELEMENTS,
-    MAX_MESSAGE,
-    CallInbox,
-    Malformed,
-    Message,
-)
+from aioduco._wire.framing import Malformed
+from aioduco._wire.messages import Message
+from aioduco.sim.server.processor import CALL, MAX_DEPTH, MAX_ELEMENTS, MAX_MESSAGE, CallInbox
 
 from .raw import encode
 

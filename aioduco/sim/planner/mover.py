@@ -29,17 +29,6 @@ if TYPE_CHECKING:
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
 
-__all__ = [
-    "Draft",
-    "Drafted",
-    "MotionEvent",
-    "MotionEventKind",
-    "Mover",
-    "MoverTick",
-    "Segment",
-    "Travel",
-]
-
 MotionEventKind: TypeAlias = Literal["started", "finished", "blended", "stopped"]
 
 

@@ -28,20 +28,6 @@ if TYPE_CHECKING:
     from aioduco.kinematics import Arm
     from aioduco.sim.planner.weaving import Weave
 
-__all__ = [
-    "PathOptions",
-    "PlanError",
-    "Segment",
-    "arc_move",
-    "carry",
-    "flange_along",
-    "joint_move",
-    "line_move",
-    "spiral_move",
-    "spline_move",
-    "stay",
-]
-
 _STILL = 1e-9  # a motion shorter than this stays where it is [rad, m]
 _SAME = 1e-4  # poses that differ by less are the same, at the start of a spline [m, rad]
 _SLOWEST = 0.02  # share of the requested speed, below which a path counts as singular

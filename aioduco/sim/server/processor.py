@@ -13,23 +13,10 @@ from thriftpy2.thrift import TApplicationException
 from thriftpy2.transport import TCyMemoryBuffer
 
 from aioduco._wire import messages
-from aioduco._wire.framing import Bounds, Malformed
+from aioduco._wire.framing import Bounds
 from aioduco._wire.messages import Message, MessageType
 from aioduco.sim.refusal import Refusal
 from aioduco.sim.server.generations import Served, Wire, wire_of
-
-__all__ = [
-    "CALL",
-    "EXCEPTION",
-    "MAX_DEPTH",
-    "MAX_ELEMENTS",
-    "MAX_MESSAGE",
-    "ONEWAY",
-    "REPLY",
-    "CallInbox",
-    "Malformed",
-    "Message",
-]
 
 #: A call of 1000 track points with their operations takes about 200 kB.
 MAX_MESSAGE = 1 << 20

@@ -12,12 +12,14 @@ from typing import TYPE_CHECKING, Self
 
 from aioduco._process.reporting import BackgroundLogger
 from aioduco._wire import idl
+from aioduco._wire.framing import Malformed
 from aioduco.models.host_port import host_port
 from aioduco.sim import trial
-from aioduco.sim.server.processor import CallInbox, Malformed, Message, Processor
+from aioduco.sim.server.processor import CallInbox, Processor
 from aioduco.sim.server.socket_thread import SocketThread
 
 if TYPE_CHECKING:
+    from aioduco._wire.messages import Message
     from aioduco.sim.server.generations import Wire
 
 _log = BackgroundLogger(__name__)
