@@ -111,7 +111,7 @@ class Twin(Uncopied):
         self._background = BackgroundTasks(self._crashed)
         self._undo: list[Callable[[], object]] = []
         self._started_at = 0.0
-        self._started = False
+        self._started = self._starting = False
         self.over: bool = False
         self._samples = self._dropped = self._count = 0
         self._busy = 0.0
@@ -144,15 +144,19 @@ class Twin(Uncopied):
             ParameterError: the limits are of another arm.
         """
         self._supervisor.check_open("twin")
-        if self._started:
+        if self._started or self._starting:
             raise RobotStateError("a twin is started once; make another one")
-        begin = await self._settings()
-        self.limits = begin.limits
-        thread = DaemonThread("aioduco-twin-start")
+        self._starting = True
         try:
-            link, cancelled = await thread.run(lambda: _process(begin))
+            begin = await self._settings()
+            self.limits = begin.limits
+            thread = DaemonThread("aioduco-twin-start")
+            try:
+                link, cancelled = await thread.run(lambda: _process(begin))
+            finally:
+                thread.end()
         finally:
-            thread.end()
+            self._starting = False
         self._linked, self._started, self._started_at = link, True, time.monotonic()
         if cancelled is not None:
             await self.stop()

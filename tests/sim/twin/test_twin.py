@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import anyio
+import anyio.lowlevel
 import pytest
 from cli_runner import CliRunner
 from example_modules import example
@@ -113,6 +114,17 @@ async def test_it_is_started_once_and_closing_the_robot_ends_it(sim: Simulator) 
             await twin.start()
     assert twin.over
     assert twin.error is None
+
+
+@pytest.mark.slow
+async def test_two_tasks_cannot_both_start_it(robot: aioduco.Robot) -> None:
+    twin = robot.twin(LIMITS)
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(twin.start)
+        await anyio.lowlevel.checkpoint()
+        with pytest.raises(RobotStateError, match="started once"):
+            await twin.start()
+    await twin.stop()
 
 
 async def test_what_makes_no_sense_is_refused(robot: aioduco.Robot) -> None:
