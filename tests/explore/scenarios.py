@@ -1,7 +1,7 @@
 """The worlds that are explored: each has a few actors, and a few things that may go wrong in it.
 
 Attributes of each:
-    gate: number of steps to which it is explored in the tests.
+    gate: number of steps to which the gate explores it; the tests go less deep.
 """
 
 from __future__ import annotations
