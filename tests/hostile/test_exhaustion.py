@@ -80,48 +80,6 @@ def exhausted(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         yield
 
 
-@GUARDS
-async def test_leaving_needs_no_new_thread_and_no_new_descriptor(
-    bench: Bench, monkeypatch: pytest.MonkeyPatch, guard: Any
-) -> None:
-    robot = aioduco.connect(bench.host, bench.port, guard=guard)
-    await robot.open()
-    await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
-    seat = robot._supervisor.guard
-    process = None if seat is None else seat.pid
-    with exhausted(monkeypatch):
-        await robot.aclose()
-    assert not bench.moving()
-    assert bench.commands == ["movej2", "stop"]
-    assert process is None or not alive(process)
-
-
-@GUARDS
-async def test_a_stop_needs_no_new_thread_and_no_new_descriptor(
-    bench: Bench, monkeypatch: pytest.MonkeyPatch, guard: Any
-) -> None:
-    async with aioduco.connect(bench.host, bench.port, guard=guard) as robot:
-        await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
-        with exhausted(monkeypatch):
-            await robot.stop()
-        assert not bench.moving()
-        await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
-        with exhausted(monkeypatch):
-            robot.stop_now()
-        await eventually_async(lambda: not bench.moving())
-
-
-async def test_a_cancelled_motion_is_stopped_without_a_new_thread(
-    bench: Bench, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    async with aioduco.connect(bench.host, bench.port) as robot:
-        task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
-        with exhausted(monkeypatch):
-            with anyio.move_on_after(0.05):
-                await task
-            assert not bench.moving()
-
-
 async def test_leaving_that_is_cancelled_again_and_again_needs_no_new_thread(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -195,6 +153,13 @@ def no_memory_to_make_anything(monkeypatch: pytest.MonkeyPatch) -> Iterator[None
         yield
 
 
+@contextmanager
+def nothing_left(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Neither threads and descriptors nor memory."""
+    with exhausted(monkeypatch), no_memory_to_make_anything(monkeypatch):
+        yield
+
+
 async def move(robot: aioduco.Robot) -> None:
     await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
 
@@ -248,7 +213,7 @@ async def desk() -> AsyncIterator[Desk]:
 @GUARDS
 @MOVES
 @pytest.mark.usefixtures("unmade")
-async def test_leaving_makes_nothing_that_needs_memory(
+async def test_leaving_needs_no_new_thread_descriptor_or_memory(
     desk: Desk,
     monkeypatch: pytest.MonkeyPatch,
     begin: Callable[[aioduco.Robot], Awaitable[None]],
@@ -258,20 +223,24 @@ async def test_leaving_makes_nothing_that_needs_memory(
     robot = aioduco.connect(desk.host, desk.port, guard=guard)
     await robot.open()
     await begin(robot)
-    with no_memory_to_make_anything(monkeypatch):
+    seat = robot._supervisor.guard
+    process = None if seat is None else seat.pid
+    with nothing_left(monkeypatch):
         await robot.aclose()
     assert not desk.moving()
     assert desk.received(ending)
+    assert process is None or not alive(process)
 
 
+@GUARDS
 @pytest.mark.parametrize("way", ["stop", "stop_now", "abort", "pause", "cancel", "forget"])
 @pytest.mark.usefixtures("unmade")
-async def test_stopping_makes_nothing_that_needs_memory(
-    bench: Bench, monkeypatch: pytest.MonkeyPatch, way: str
+async def test_stopping_needs_no_new_thread_descriptor_or_memory(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, way: str, guard: Any
 ) -> None:
-    async with aioduco.connect(bench.host, bench.port) as robot:
+    async with aioduco.connect(bench.host, bench.port, guard=guard) as robot:
         task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
-        with no_memory_to_make_anything(monkeypatch):
+        with nothing_left(monkeypatch):
             match way:
                 case "cancel":
                     with anyio.move_on_after(0.05):
