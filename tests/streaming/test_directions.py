@@ -112,16 +112,16 @@ async def test_a_stream_of_velocities_keeps_its_direction_while_the_tool_turns(
     )
     twist = [0.0, 0.0, 0.1, 0.8, 0.0, 0.0]
     async with stream:
-        while np.linalg.norm(moved(start, simulated(sim))[1]) < 0.3:
+        async for _ in stream.ticks():
             await stream.send(twist)
-    way, turn = moved(start, await tip(robot))
+            if np.linalg.norm(moved(start, simulated(sim))[1]) > 0.3:
+                break
+    way, turn = (there.T @ each for each in moved(start, await tip(robot)))
     if frame == "tool":
         # It turns about its own x, and goes along its own z: a bow, by the axes of the start.
-        way, turn = there.T @ way, there.T @ turn
         assert abs(way[0]) < 4e-3
         assert way[1] < -2e-3
     else:
-        way, turn = there.T @ way, there.T @ turn
         assert np.linalg.norm(way[:2]) < 4e-3
     assert way[2] > 0.03
     assert turn[0] > 0.2
