@@ -182,15 +182,15 @@ async def test_blended_motions_take_no_options_of_a_stream(given: dict[str, Any]
 @pytest.mark.slow
 async def test_what_comes_into_the_way_stops_the_arm_or_is_gone_round() -> None:
     async with cell() as (robot, scene, planner):
-        plan = await planner.plan(LEFT, RIGHT, v=0.6, a=3.0)
-        ahead = plan.pose(0.7 * plan.duration)
+        across = await planner.plan(LEFT, RIGHT, v=0.6, a=3.0)
+        ahead = across.pose(0.7 * across.duration)
 
         def appear(_: object) -> None:
             if "ball" not in scene:
                 scene.add(Sphere(at=ahead[:3], radius=0.03, name="ball"))
 
         with pytest.raises(PlanObstructed, match="brought to rest") as caught:
-            await robot.motion.execute(plan, watch=scene, feedback=appear)
+            await robot.motion.execute(across, watch=scene, feedback=appear)
         assert caught.value.pair is not None
         assert caught.value.pair[1] == "ball"
         assert not await robot.state.robotmoving()
@@ -202,9 +202,7 @@ async def test_what_comes_into_the_way_stops_the_arm_or_is_gone_round() -> None:
             await robot.motion.execute(plan, watch=scene)
         scene.remove("ball")
         await robot.motion.execute(plan)
-        plan = await planner.plan(LEFT, RIGHT, v=0.6, a=3.0)
-        ahead = plan.pose(0.7 * plan.duration)
-        await robot.motion.execute(plan, watch=scene, planner=planner, feedback=appear)
+        await robot.motion.execute(across, watch=scene, planner=planner, feedback=appear)
         assert "ball" in scene
         assert await joints(robot) == pytest.approx(RIGHT, abs=1e-3)
 
