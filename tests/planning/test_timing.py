@@ -60,6 +60,7 @@ def test_a_straight_way_takes_the_time_of_the_closed_form(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
+@pytest.mark.filterwarnings("ignore:.*invalid escape sequence")  # of its source
 def test_without_a_limit_of_jerk_it_is_as_fast_as_toppra(seed: int) -> None:
     # Loading it takes longer than all else in this file.
     toppra = importlib.import_module("toppra")
