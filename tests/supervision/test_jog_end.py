@@ -44,7 +44,7 @@ async def test_a_motion_that_follows_a_jog_is_not_taken_for_it(
 async def test_a_jog_that_its_end_does_not_stop_is_stopped(
     duco_robot: aioduco.Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async def moves() -> None:
+    async def moves(*_: object) -> None:
         raise StopUnconfirmed("the arm still moves after 5 s")
 
     jog = await duco_robot.motion.move_jog(Jog.joint(1, 1, vel=10)).start()
