@@ -327,9 +327,12 @@ def _lacking(error: BaseException, bare: bool) -> str:
 
 
 @pytest.hookimpl(optionalhook=True)
-def pytest_xdist_auto_num_workers() -> int:
-    """`-n auto`: more than the processors, since most tests wait for an arm or an answer."""
-    return quick.processors() + 4
+def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
+    """`-n auto`: more than the processors, since tests wait for an arm or an answer.
+
+    Of the quick ones few do, and each process takes some seconds to start.
+    """
+    return quick.processors() + (4 if config.getoption("thorough") else 2)
 
 
 @pytest.fixture(autouse=True)

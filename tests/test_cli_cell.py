@@ -87,6 +87,7 @@ def test_a_command_that_moves_keeps_the_limits_of_the_cell(tmp_path: Path) -> No
         assert not sim.tasks
 
 
+@pytest.mark.slow
 def test_points_of_a_cell_are_taught_in_their_file(tmp_path: Path) -> None:
     with ready_arm() as sim:
         file = written(tmp_path, sim)

@@ -211,6 +211,7 @@ def test_the_poses_of_a_payload_may_stand_in_a_cell(tmp_path: Path) -> None:
     assert (answer.exit_code, "cannot connect to 127.0.0.1:1" in answer.stderr) == (1, True)
 
 
+@pytest.mark.slow
 def test_poses_behind_a_table_are_not_gone_to(arm: Simulator, tmp_path: Path) -> None:
     below = np.degrees(np.add(HOME, (0.0, 1.2, 0.2, 0.0, 0.0, 0.0))).tolist()
     file = tmp_path / "cell.toml"

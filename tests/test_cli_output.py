@@ -140,8 +140,8 @@ def test_what_an_output_cannot_show_is_spelled_out(encoding: str) -> None:
     assert b"RuntimeError: \\u68c0\\u6d4b" in ended.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.linux("/dev/full")
-@pytest.mark.cases(1)
 @pytest.mark.parametrize("words", [["--version"], ["--help"], ["completion", "bash"]])
 def test_an_output_that_cannot_be_written_ends_the_command_without_a_traceback(
     words: list[str],

@@ -656,6 +656,7 @@ NAMED = [
 ]
 
 
+@pytest.mark.slow
 def test_packages_without_the_vendors_files(tmp_path: Path) -> None:
     """Each is named in one way alone."""
     lines = [LOAD]
@@ -670,7 +671,7 @@ def test_packages_without_the_vendors_files(tmp_path: Path) -> None:
     assert done.stdout.splitlines() == [*wanted, "others are missing"], done.stderr
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "arguments", [["--sdk-module", "vendor_api.DucoCobot"], ["--sdk-module=vendor_api.DucoCobot"]]
 )
@@ -706,7 +707,7 @@ def test_a_program_that_is_a_module_of_a_package(name: str, tmp_path: Path) -> N
     assert done.stdout == "aioduco.compat True __main__ ['-m', 'more']\n", done.stderr
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["nothing", "nothing.here", "there.not", "json.decoder.not", "..here"]
 )

@@ -76,7 +76,7 @@ def test_the_facts_name_their_source_and_are_complete() -> None:
     assert len(FACTS["structs"]) == 10
 
 
-@pytest.mark.cases(2)
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(
     ("script", "target", "right", "wrong"),
     [

@@ -111,6 +111,7 @@ def test_a_name_is_what_type_checkers_were_told(name: str) -> None:
         assert getattr(aioduco, name) is vars(sys.modules[told[name]])[name]
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(
     "way",
     [

@@ -29,11 +29,13 @@ BY_SECTION = {
 
 
 @cache
-def modules() -> dict[str, ast.Module]:
-    """The package's modules by their path below it."""
+def modules(having: str = "") -> dict[str, ast.Module]:
+    """The package's modules by their path below it, of those whose text has that."""
+    texts = {path: path.read_text(encoding="utf-8") for path in sorted(ROOT.rglob("*.py"))}
     return {
-        path.relative_to(ROOT).as_posix(): ast.parse(path.read_text(encoding="utf-8"))
-        for path in sorted(ROOT.rglob("*.py"))
+        path.relative_to(ROOT).as_posix(): ast.parse(text)
+        for path, text in texts.items()
+        if having in text
     }
 
 
@@ -91,7 +93,7 @@ def test_a_list_of_names_says_more_than_the_names_do() -> None:
     files = {f"{name.replace('.', '/')}.py".partition("/")[2] for name in public} | LISTED
     needless = [
         path
-        for path, tree in modules().items()
+        for path, tree in modules("__all__ =").items()
         if not path.endswith("__init__.py")
         and path not in WHOLE
         and (names := listed_names(tree)) is not None

@@ -123,6 +123,7 @@ def test_a_wrong_argument_is_refused(case: Case, name: str, data: st.DataObject)
         assert isinstance(error, ValueError)
 
 
+@pytest.mark.slow
 @for_each("case, name", PARAMETERS)
 def test_the_edges_are_taken(case: Case, name: str) -> None:
     rules = rules_of(case)[name]

@@ -56,6 +56,7 @@ def test_success_is_finished_or_blended() -> None:
     }
 
 
+@pytest.mark.slow
 def test_a_person_reads_the_name_of_every_number() -> None:
     kinds = [kind for kind in public_classes() if issubclass(kind, IntEnum)]
     assert {TaskState, RobotState, SafetyState} <= set(kinds)

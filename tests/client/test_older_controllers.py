@@ -46,6 +46,7 @@ def known(value: Any, structs: Any) -> Any:
     return value
 
 
+@pytest.mark.cases(1)
 @for_each("name", CASES)
 def test_each_function_is_answered_or_missing(name: str, older: OlderController) -> None:
     case: Case = CASES[name]

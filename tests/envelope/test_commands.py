@@ -44,7 +44,7 @@ def nearest(seen: Seen) -> float:
 # -- set-points call by call -------------------------------------------------------------------
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["servoj", "servoj_pose", "servo_tcp", "servol"])
 async def test_set_points_end_at_the_wall(robot: aioduco.Robot, seen: Seen, kind: str) -> None:
     robot.envelope = Envelope("gcr5_910", wall())
@@ -298,6 +298,7 @@ FORTH = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", range(len(BACK)))
 async def test_an_arm_beyond_a_limit_is_led_back(
     robot: aioduco.Robot, seen: Seen, number: int
@@ -333,6 +334,7 @@ async def test_the_way_back_may_not_cross_another_limit(robot: aioduco.Robot) ->
     assert least((behind,), q) > -LAG
 
 
+@pytest.mark.slow
 async def test_nothing_that_stands_is_refused(robot: aioduco.Robot) -> None:
     """A velocity of zero ends a motion: it is allowed anywhere."""
     await stand(robot, *turned(0.4))

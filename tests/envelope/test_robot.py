@@ -344,6 +344,7 @@ async def beside(sim: Simulator, robot: aioduco.Robot) -> AsyncIterator[Beside]:
             yield Beside(watching, proxy)
 
 
+@pytest.mark.slow
 async def test_a_motion_is_stopped_when_no_samples_come_and_others_are_not_sent(
     beside: Beside,
 ) -> None:
@@ -442,6 +443,7 @@ async def test_a_force_stops_the_arm_whether_or_not_the_program_wants_forces(
     assert not robot.feed.force_readers
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gone", [[math.nan] * 6, []])
 async def test_a_force_that_is_not_reported_stops_a_moving_arm(
     robot: aioduco.Robot, monkeypatch: pytest.MonkeyPatch, gone: list[float]
@@ -455,6 +457,7 @@ async def test_a_force_that_is_not_reported_stops_a_moving_arm(
     await robot.motion.movej2(turned(0.1), v=1.0, a=5.0)
 
 
+@pytest.mark.slow
 async def test_an_envelope_that_comes_during_a_stream_stops_it_before_the_wall(
     robot: aioduco.Robot, seen: Seen
 ) -> None:

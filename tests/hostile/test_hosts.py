@@ -197,6 +197,7 @@ def test_a_tap_listens_on_no_address_that_is_none(listen: Any) -> None:
         Tap("192.0.2.1", listen=listen)
 
 
+@pytest.mark.slow
 async def test_what_is_open_is_not_opened_again() -> None:
     """The first connection, process or proxy was left behind, and lived on."""
     with (

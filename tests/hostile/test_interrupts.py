@@ -51,9 +51,8 @@ def test_an_interrupt_anywhere_on_the_way_out(bench: Bench, thorough: bool) -> N
             raise
 
 
-@pytest.mark.parametrize(
-    "first", [1, *(pytest.param(first, marks=pytest.mark.slow) for first in (3, 5, 7))]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("first", [1, 3, 5, 7])
 def test_two_interrupts_anywhere_in_a_blocking_call(
     bench: Bench, first: int, thorough: bool
 ) -> None:

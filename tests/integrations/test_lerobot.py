@@ -94,6 +94,7 @@ def interrupted(duco: Any) -> None:
         duco.disconnect()
 
 
+@pytest.mark.slow
 @pytest.mark.duco_speed(1.0)  # a stream's times are the wall's
 def test_an_interrupt_of_lerobot_s_loop_brakes_the_arm_far_from_the_last_action(
     duco: Any, duco_simulator: Simulator

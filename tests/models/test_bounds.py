@@ -136,6 +136,7 @@ def test_a_plan_begins_and_ends_at_a_reading_at_the_limit() -> None:
             assert np.abs(plan.trajectory.positions).max() <= 2 * math.pi
 
 
+@pytest.mark.slow
 def test_a_written_limit_is_within_the_arms() -> None:
     for arm in ARMS:
         root = ET.fromstring(descriptions.urdf(arm))

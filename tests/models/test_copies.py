@@ -50,6 +50,7 @@ def classes(*, held: bool) -> list[type[Any]]:
     ]
 
 
+@pytest.mark.slow
 def test_every_public_value_and_error_comes_back_the_same() -> None:
     wrong = []
     for kind in classes(held=False):

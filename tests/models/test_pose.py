@@ -99,6 +99,7 @@ def test_composition_is_that_of_matrices(a: Pose, b: Pose) -> None:
     assert (a @ a.inverse()).almost_equal(identity, position=1e-12, rotation=1e-12)
 
 
+@pytest.mark.slow
 @given(POSES, POSES, st.floats(0.0, 1.0))
 def test_interpolation_goes_straight_and_turns_at_a_constant_rate(
     a: Pose, b: Pose, t: float

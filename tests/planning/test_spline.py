@@ -10,6 +10,7 @@ from aioduco.planning.band import BandMatrix
 from aioduco.planning.spline import BSpline
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("degree", [3, 5])
 @pytest.mark.parametrize("shape", [(), (6,)])
 def test_points_and_derivatives_are_those_of_scipy(degree: int, shape: tuple[int, ...]) -> None:

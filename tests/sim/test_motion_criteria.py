@@ -275,7 +275,7 @@ def fastest(length: float, v: float, a: float, curvature: float) -> float:
     return float(2 * takes + (length - 2 * covers) / top)
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES, ids=str)
 def test_a_path_of_the_tool(cell: Cell, case: Case) -> None:
     robot, arm = cell.robot, cell.sim.arm

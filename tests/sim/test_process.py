@@ -98,6 +98,7 @@ def test_an_unknown_option_is_refused() -> None:
         Simulator.spawn(spede=1.0)
 
 
+@pytest.mark.slow
 def test_what_only_the_program_can_import_is_refused_by_name(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -111,6 +112,7 @@ def test_what_only_the_program_can_import_is_refused_by_name(
     assert process.process.returncode == 0
 
 
+@pytest.mark.slow
 def test_an_address_of_another_computer_is_refused_as_in_this_process() -> None:
     with pytest.raises(OSError, match="assign requested address") as here:
         Simulator(host="192.0.2.9").start()

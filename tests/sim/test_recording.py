@@ -43,6 +43,7 @@ def record(program: Program, mode: int, interval: float, v: float = 0.5) -> None
 # -- recording -----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_points_by_position(cell: Simulator, program: Program) -> None:
     record(program, BY_POSITION, 0.0)
     track = cell.cabinet.project.tracks["t"]
@@ -64,6 +65,7 @@ def test_points_by_time(cell: Simulator, program: Program) -> None:
     assert turned[len(turned) // 2] == pytest.approx(0.1 * 0.25, rel=0.05)
 
 
+@pytest.mark.slow
 def test_poses_are_the_tools_in_the_work_object(cell: Simulator, program: Program) -> None:
     tool, wobj = Pose(0.0, 0.0, 0.1, 0.0, 0.0, 0.0), Pose(0.3, 0.1, 0.0, 0.0, 0.0, 0.5)
     program.set_tool_data("gripper", list(tool), [0.0] * 4, [])

@@ -219,6 +219,7 @@ def test_without_a_display_there_is_no_window(monkeypatch: pytest.MonkeyPatch) -
         sim.window()
 
 
+@pytest.mark.slow
 def test_a_display_that_is_not_there_is_no_window(monkeypatch: pytest.MonkeyPatch) -> None:
     glfw = types.ModuleType("glfw")
     monkeypatch.setattr(glfw, "init", lambda: False, raising=False)

@@ -169,6 +169,7 @@ def test_stop_from_another_connection_ends_a_blocking_move(
     assert robot.to(*there) == TaskState.FINISHED
 
 
+@pytest.mark.slow
 def test_pause_and_resume_go_on_to_the_same_end(
     sim: Simulator, robot: Program, connect: Connect
 ) -> None:
@@ -311,6 +312,7 @@ def test_a_motion_that_has_finished_is_no_longer_moving(sim: Simulator, robot: P
     sim.wait_until(lambda: not sim.moving)
 
 
+@pytest.mark.slow
 def test_what_is_expected_and_what_is_are_of_one_cycle(sim: Simulator, robot: Program) -> None:
     """Else a joint at 2 rad/s would seem to be 2 mrad behind, besides what it really is."""
     seen: list[RobotStatus] = []

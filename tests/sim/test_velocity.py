@@ -107,6 +107,7 @@ def test_the_end_of_the_reach_ends_it(sim: Simulator, robot: Program) -> None:
     assert sim.joints[5] <= 2 * math.pi + 1e-3
 
 
+@pytest.mark.slow
 def test_the_global_speed_scales_it(sim: Simulator, robot: Program) -> None:
     assert robot.speed(10.0) == TaskState.FINISHED
     assert robot.speedj([0.5, *STILL[1:]], 5.0, 1000, True) == TaskState.FINISHED
@@ -129,6 +130,7 @@ def steady(sim: Simulator, begin: Callable[[], int], speeds: Callable[[], list[f
         return max(map(abs, speeds()))
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("real_cycle")
 def test_how_fast_a_jog_is(sim: Simulator, robot: Program) -> None:
     for kind, fastest in ((2, 0.5), (1, 0.25)):
@@ -178,7 +180,7 @@ def test_a_jog_goes_on_until_it_is_ended(sim: Simulator, robot: Program) -> None
     assert robot.stop_manual_move(True) == TaskState.FINISHED
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("frame", [0, 1, 2, 3])
 def test_a_cartesian_jog_follows_the_axes_of_its_frame(
     sim: Simulator, robot: Program, frame: int

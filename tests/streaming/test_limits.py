@@ -189,6 +189,7 @@ async def test_a_tool_speed_without_a_hand_on_it_ends_at_zero(controller: Contro
     assert controller.names()[-2:] == ["speed_stop", "stop"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["speeds", "places"])
 async def test_an_arm_brakes_as_fast_on_a_slow_connection(
     controller: Controller, kind: str

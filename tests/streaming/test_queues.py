@@ -109,7 +109,7 @@ async def test_an_array_goes_through_the_queue_from_rest_to_rest(
     assert controller.server.received("start_realtime_mode")[0].args == (0, 100.0, 0.02)
 
 
-@pytest.mark.cases(2)
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(
     ("frame", "read", "back"),
     [("base", "get_wobj", True), ("tool", "get_tcp_pose_coord", False), ("wobj", "", True)],

@@ -153,6 +153,7 @@ async def test_a_stop_ends_it_and_the_arm_stands(
     await eventually_async(lambda: not sim.tasks)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("way", ["stop_now", "pause", "abort"])
 async def test_so_do_the_others(robot: aioduco.Robot, sim: Simulator, way: str) -> None:
     end = getattr(robot, way)
@@ -170,6 +171,7 @@ async def test_so_do_the_others(robot: aioduco.Robot, sim: Simulator, way: str) 
     await robot.stop()
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("kind", FOLLOWED)
 async def test_so_does_a_stop_by_another_program(
     robot: aioduco.Robot, sim: Simulator, kind: str

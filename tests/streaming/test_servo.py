@@ -50,7 +50,7 @@ UNWATCHED = WorkerOptions(run_in="thread", watch=0.0)
 workers = pytest.mark.parametrize("options", WORKERS, ids=["thread", "process"])
 
 
-@pytest.mark.cases(2)
+@pytest.mark.cases(1)
 @workers
 async def test_every_set_point_arrives_in_order_and_the_stream_ends_at_the_last(
     controller: Controller, options: WorkerOptions

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import pytest
 import scipy
 from hypothesis import given
 from hypothesis import strategies as st
@@ -28,6 +29,7 @@ def angle(turn: scipy.spatial.transform.Rotation) -> float:
     return float(np.asarray(turn.magnitude()))
 
 
+@pytest.mark.slow
 @given(POSE)
 def test_a_pose_survives_there_and_back(pose: tuple[float, ...]) -> None:
     back = POSE_SPACE.encode(POSE_SPACE.decode(pose))

@@ -84,6 +84,7 @@ def test_velocities_given_are_had(curve: tuple[Any, Any, Any]) -> None:
     np.testing.assert_allclose(found.velocity(at), reference.derivative()(at), atol=1e-6)
 
 
+@pytest.mark.slow
 @given(curves())
 def test_accelerations_given_are_had(curve: tuple[Any, Any, Any]) -> None:
     times, points, velocities = curve
@@ -208,6 +209,7 @@ async def test_an_arm_that_does_not_arrive_violates_the_goal(controller: Control
         await run(controller, arm, tolerances=Tolerances(path=0, goal=0.01, goal_time=0.1))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("on_the_way", [True, False])
 async def test_an_arm_whose_place_is_not_answered_comes_to_rest(
     controller: Controller, on_the_way: bool

@@ -54,12 +54,14 @@ def test_acceleration_is_at_most_a_fifth_of_the_bare_steps(way: str, jitter: flo
     assert max(found.acceleration) <= max(bare.acceleration) / 5
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("jitter", [0.0, 0.3])
 def test_ruckig_keeps_the_limit_of_jerk(jitter: float) -> None:
     found = peaks(JOINT_SPACE, followed("ruckig", 4.0, jitter), PERIOD)
     assert max(found.jerk) <= 300.0 * (1 + 1e-3)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("way", ["linear", "cubic", "ruckig"])
 def test_the_motion_is_followed_one_interval_later(way: str) -> None:
     points = followed(way, 4.0)

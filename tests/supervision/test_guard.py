@@ -259,6 +259,7 @@ async def test_a_hung_loop_has_its_arm_stopped(bench: Bench) -> None:
         await robot.motion.movej2(HOME, v=1.0, a=1.0)
 
 
+@pytest.mark.slow
 async def test_a_hung_loop_without_a_heartbeat_has_its_arm_stopped(bench: Bench) -> None:
     """Each time that it hangs; and nothing has to be rearmed."""
 

@@ -43,7 +43,7 @@ async def fail(robot: aioduco.Robot) -> None:
     raise KeyError("no such part")
 
 
-@pytest.mark.cases(2)
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("mode", [press, guide, fail])
 async def test_no_mode_is_on_when_the_robot_was_left(
     sim: Simulator, mode: Callable[[aioduco.Robot], Awaitable[None]]

@@ -107,6 +107,7 @@ async def test_a_mode_is_ended_although_the_stop_is_cancelled_meanwhile(
     assert not mode.on
 
 
+@pytest.mark.slow
 async def test_a_mode_that_waits_for_a_stop_is_ended_by_the_next_one(
     robot: aioduco.Robot, bench: Bench
 ) -> None:

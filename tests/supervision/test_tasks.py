@@ -89,6 +89,7 @@ async def test_a_motion_that_the_controller_refuses(robot: aioduco.Robot, bench:
     assert not robot.tasks
 
 
+@pytest.mark.slow
 def test_a_motion_that_is_forgotten_until_the_interpreter_ends_warns() -> None:
     program = """
 import aioduco

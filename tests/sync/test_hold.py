@@ -51,6 +51,7 @@ def test_it_is_stopped_when_the_program_hangs(robot: Robot, desk: Desk) -> None:
     assert not desk.moving()
 
 
+@pytest.mark.slow
 def test_samples_hold_it_and_properties_of_its_task_do_not(robot: Robot, desk: Desk) -> None:
     """As in a window, whose timer looks at the arm."""
     task = robot.motion.speedl.start(DOWN, a=1.0, time=None)
@@ -80,6 +81,7 @@ def test_another_threads_calls_do_not_hold_it(robot: Robot, desk: Desk) -> None:
         thread.join()
 
 
+@pytest.mark.slow
 def test_calls_of_later_threads_do_not_hold_the_motion_of_one_that_has_ended(
     robot: Robot, desk: Desk
 ) -> None:
@@ -106,6 +108,7 @@ def test_calls_and_sleep_hold_it(robot: Robot, desk: Desk) -> None:
     assert desk.commands == ["speedl", "speed_stop"]
 
 
+@pytest.mark.slow
 def test_a_wait_holds_it(robot: Robot, desk: Desk) -> None:
     task = robot.motion.speedl.start(DOWN, a=1.0, time=None)
     with pytest.raises(TimeoutError):

@@ -65,6 +65,7 @@ def test_who_fails_is_named_and_the_others_stand(robots: list[Robot], desks: lis
     desks[0].answer("stop", desks[0]._stop)
 
 
+@pytest.mark.slow
 def test_what_is_no_robot_keeps_no_other_from_its_stop(
     robots: list[Robot], desks: list[Desk]
 ) -> None:
@@ -75,6 +76,7 @@ def test_what_is_no_robot_keeps_no_other_from_its_stop(
     assert not any(desk.moving() for desk in desks)
 
 
+@pytest.mark.slow
 def test_a_robot_in_place_of_a_list_is_stopped(robots: list[Robot], desks: list[Desk]) -> None:
     start_all(robots, desks)
     stop_all(robots[0])  # type: ignore[arg-type]  # that is the test

@@ -181,6 +181,7 @@ def test_points_of_a_track_set_outputs(robot: Robot, sim: Simulator) -> None:
     assert robot.io.get_standard_digital_out(3)
 
 
+@pytest.mark.slow
 def test_only_one_is_open_and_no_motion_goes_on_meanwhile(robot: Robot) -> None:
     with robot.servo.joints(v=1.0, a=8.0, **PATIENT) as stream:
         stream.send(START)
@@ -242,6 +243,7 @@ def test_a_stop_from_another_thread_ends_it(robot: Robot, way: str) -> None:
     robot.stop()
 
 
+@pytest.mark.slow
 def test_closing_the_robot_ends_it_and_its_end_is_told(sim: Simulator) -> None:
     robot = aioduco.sync.connect(sim.host, sim.port)
     robot.open()

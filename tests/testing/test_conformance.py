@@ -169,6 +169,7 @@ def lost_connection(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("aioduco.testing.conformance.moving.MOVING", (looked,))
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("lost_connection")
 def test_an_arm_that_cannot_be_stopped_is_said_and_not_moved_again(
     sim: Simulator, monkeypatch: pytest.MonkeyPatch
@@ -209,6 +210,7 @@ def test_a_second_interrupt_does_not_keep_the_arm_from_being_stopped(
         assert bench.received("stop")
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("lost_connection")
 def test_a_motion_of_another_thread_comes_before_the_last_stop(
     sim: Simulator, monkeypatch: pytest.MonkeyPatch
@@ -273,6 +275,7 @@ def test_a_check_that_is_told_to_end_leaves_a_standing_arm(
     assert "Traceback" not in errors
 
 
+@pytest.mark.slow
 def test_the_command_says_by_its_status_that_something_differs() -> None:
     with Bench() as bench:
         assert run(bench.host, "--port", bench.port)[0] == 1

@@ -41,6 +41,7 @@ async def test_each_thread_has_a_connection_for_its_whole_life() -> None:
     assert threads() == []
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(
     ("name", "args", "error"),
     [("get_tcp_pose", (), CallTimeout), ("pause", (True,), OutcomeUnknown)],

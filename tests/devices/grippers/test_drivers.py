@@ -261,6 +261,7 @@ async def test_before_its_start_it_has_no_state() -> None:
         _ = robotiq()[0].state
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("make", [robotiq, dh])
 async def test_after_its_block_it_moves_nothing(make: Any) -> None:
     gripper, peer = make()

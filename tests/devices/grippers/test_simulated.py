@@ -123,6 +123,7 @@ async def test_registers_of_each(name: str, driver: Any, stroke: float) -> None:
                 await gripper.open()
 
 
+@pytest.mark.slow
 async def test_the_arm_moves_while_the_gripper_is_silent() -> None:
     """Its state is asked for apart from motions: one that never answers holds none of them up."""
     async with (
@@ -177,6 +178,7 @@ async def test_a_gripper_on_an_output_without_sensors_takes_its_time() -> None:
                 DigitalGripper(robot, wrong)
 
 
+@pytest.mark.slow
 async def test_a_cup_that_finds_nothing() -> None:
     async with (
         Simulator(speed=math.inf, gripper="vacuum") as sim,

@@ -321,6 +321,7 @@ async def test_a_gateway_that_cannot_be_declared_leaves_nothing_open(
     assert asyncio.all_tasks() == before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("declares", ["watch_gateways", "watch_states"])
 async def test_a_client_that_cannot_be_declared_leaves_nothing_open(
     declares: str, sessions: list[Any], monkeypatch: pytest.MonkeyPatch
@@ -382,6 +383,7 @@ def test_a_stop_that_is_not_confirmed_says_so_where_its_output_cannot_be_written
         assert given or ("right" in said and "two" in said)
 
 
+@pytest.mark.slow
 async def test_an_arm_that_is_not_reached_is_logged_once(caplog: pytest.LogCaptureFixture) -> None:
     """And again after it was reached; a plant may be off for a year."""
     tried = 0

@@ -114,7 +114,7 @@ async def told_by(
     stack.callback(declared.clear)
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("answer", [forged, of_another_key, of_an_old_stop, of_another_request])
 async def test_nobody_answers_for_a_gateway_that_is_dead(
     answer: Callable[[Any], None], plant: FleetSettings
@@ -129,6 +129,7 @@ async def test_nobody_answers_for_a_gateway_that_is_dead(
         assert "cell" in done.unproven
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("complete", [False, True])
 async def test_a_liar_beside_a_gateway_takes_no_stop_from_it(
     complete: bool, plant: FleetSettings

@@ -70,6 +70,7 @@ def called(function: str, result: Any, *arguments: Any, **more: Any) -> CallFini
     return CallFinished(function=function, result=result, arguments=arguments, **options)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("blocking", [False, True])
 async def test_what_the_program_asks_for_is_in_its_own_span(
     duco_simulator: Simulator, blocking: bool
@@ -219,6 +220,7 @@ def test_a_motion_whose_end_was_not_seen_is_told_so() -> None:
     assert outcomes == ["unknown", "unknown"]
 
 
+@pytest.mark.slow
 async def test_nothing_is_made_where_it_is_not_asked_for(
     duco_simulator: Simulator, monkeypatch: pytest.MonkeyPatch
 ) -> None:

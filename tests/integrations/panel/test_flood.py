@@ -77,6 +77,7 @@ def lines(page: Page, text: str) -> list[str]:
     return [line["text"] for line in page.all("event") if text in line["text"]]
 
 
+@pytest.mark.slow
 async def test_the_messages_of_two_pages_take_turns(bench: Bench) -> None:
     """What one page has sent at once does not go before a stop of another."""
     async with Panel(bench.host, bench.port, **PATIENT) as panel:
@@ -141,6 +142,7 @@ async def test_a_stop_needs_no_page_and_no_token(bench: Bench) -> None:
         assert len(bench.received("stop")) == 1
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(
     ("method", "path", "headers", "status"),
     [

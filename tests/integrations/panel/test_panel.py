@@ -156,6 +156,7 @@ async def test_the_plots_go_on_when_the_clock_is_set_back(
         assert times == sorted(times)
 
 
+@pytest.mark.slow
 async def test_what_comes_late_as_after_an_outage_starts_nothing(bench: Bench) -> None:
     async with Panel(bench.host, bench.port, **PATIENT) as panel, page_of(panel) as page:
         await page.command(panel.token)
@@ -191,6 +192,7 @@ async def test_the_lease_ends_with_its_page_and_the_arm_is_stopped(bench: Bench)
             )
 
 
+@pytest.mark.slow
 async def test_a_stop_is_confirmed_when_a_motion_that_was_on_its_way_is_ruled_out(
     bench: Bench,
 ) -> None:
@@ -208,6 +210,7 @@ async def test_a_stop_is_confirmed_when_a_motion_that_was_on_its_way_is_ruled_ou
             assert not bench.moving()
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("path", ["socket", "picture", ""])
 @pytest.mark.parametrize(
     ("headers", "status"),

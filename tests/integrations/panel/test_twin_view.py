@@ -71,6 +71,7 @@ def test_the_twin_is_behind_the_set_points_by_the_normal_lag() -> None:
     np.testing.assert_allclose(monitor.joints, wanted)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("which", ["told", "aim", "twin"])
 def test_what_differs_from_the_arm_is_drawn_where_it_is(which: str) -> None:
     """What it was told, where the sliders point, and its twin."""

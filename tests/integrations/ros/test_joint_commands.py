@@ -98,6 +98,7 @@ async def test_a_stop_is_not_undone_by_what_is_followed_only_later(
         await lead(node, sim, way(0.4, 0.1))
 
 
+@pytest.mark.slow
 async def test_a_driver_that_stood_still_takes_that_for_no_end_of_the_commands() -> None:
     """They have gone on meanwhile, and wait to be read."""
     robot: Any = None

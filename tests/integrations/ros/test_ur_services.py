@@ -121,6 +121,7 @@ async def test_outputs_and_speed(node: ArmNode, sim: Simulator) -> None:
     await done(node, slider, speed_slider_fraction=1.0)
 
 
+@pytest.mark.slow
 async def test_programs_popup_and_log(node: ArmNode, sim: Simulator) -> None:
     assert not (await call(node, "dashboard_client/play")).success
     await done(node, "dashboard_client/load_program", text="wave")

@@ -225,6 +225,7 @@ def test_an_address_that_is_taken_is_said(listener: socket.socket) -> None:
         pass
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("host", ["127.0.0.1", "0.0.0.0"])
 def test_a_tap_that_would_connect_to_itself_is_refused(host: str) -> None:
     with socket.create_server(("127.0.0.1", 0)) as free:
@@ -241,6 +242,7 @@ def test_it_is_used_in_a_block() -> None:
         next(iter(Tap("127.0.0.1")))
 
 
+@pytest.mark.slow
 def test_a_tap_that_is_open_starts_no_second_relay(listener: socket.socket) -> None:
     with no_leaks(), Tap(*listener.getsockname()) as tap:
         with pytest.raises(RuntimeError, match="open already"):
@@ -310,6 +312,7 @@ def test_the_command_says_what_is_wrong(listener: socket.socket) -> None:
         assert result.exit_code == status, result.output
 
 
+@pytest.mark.slow
 def test_the_command_says_that_its_file_cannot_be_written(tmp_path: Path) -> None:
     (tmp_path / "calls.jsonl").mkdir()
     for file, said in (("calls.jsonl", "is a folder"), ("none/calls.jsonl", "there is no folder")):

@@ -53,6 +53,7 @@ def test_a_drive_without_lag_has_no_gain() -> None:
     assert "gain of joint 1: motions with more acceleration" in found.missing[0]
 
 
+@pytest.mark.slow
 def test_joints_that_hardly_move_are_left_out() -> None:
     random, lag, gain, noise = hidden(5)
     motions = turns(random, lag, gain, noise)

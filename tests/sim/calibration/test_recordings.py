@@ -103,6 +103,7 @@ async def test_an_arm_that_is_not_enabled_is_not_moved(tmp_path: Path) -> None:
         assert sim.joints == pytest.approx(READY, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_the_motions_are_asked_for(tmp_path: Path) -> None:
     with Simulator(joints=READY) as sim:
         words = ["check", f"{sim.host}:{sim.port}", "--motions", str(tmp_path / "run.mcap")]

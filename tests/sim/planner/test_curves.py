@@ -35,6 +35,7 @@ def on_circle(angle: float) -> Array:
     return Pose(x, 0.1, z, 0.3, -0.2, 0.1).matrix
 
 
+@pytest.mark.slow
 @given(POSES, POSES)
 def test_a_line_is_straight_and_turns_at_a_constant_rate(a: Pose, b: Pose) -> None:
     line = StraightLine.between(a.matrix, b.matrix)

@@ -70,6 +70,7 @@ def test_spirals_that_go_nowhere_are_refused(start: Array, turns: float, radius:
     assert caught.value.code == "parameter"
 
 
+@pytest.mark.slow
 def test_a_spline_is_the_natural_one_through_its_poses() -> None:
     poses = [
         START,

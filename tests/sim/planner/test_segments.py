@@ -74,6 +74,7 @@ def test_a_joint_move_keeps_to_the_speed_of_the_slower_joints() -> None:
     assert fast.duration == pytest.approx(trapezoid(1.0, 2.0, FIVE.acceleration[0]), rel=1e-6)
 
 
+@pytest.mark.slow
 @given(OFFSET, OFFSET, OFFSET, st.floats(-0.8, 0.8), st.floats(0.05, 0.25), st.floats(0.1, 1.0))
 @settings(max_examples=examples(60))
 def test_a_line_is_straight_and_takes_the_time_of_a_trapezoid(

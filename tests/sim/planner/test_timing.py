@@ -60,6 +60,7 @@ def test_plain_limits_cut_into_pieces_change_nothing() -> None:
     assert law_of(pieces).duration == pytest.approx(1 / 0.25 + 0.25, rel=1e-9)
 
 
+@pytest.mark.slow
 @given(limits_along_a_path())
 def test_no_limit_is_exceeded_and_the_law_hangs_together(limits: PathLimits) -> None:
     law = law_of(limits)

@@ -37,6 +37,7 @@ def test_friction_and_noise_are_those_of_the_arm(learned: TwinLimits) -> None:
     assert learned.learned > 5.0
 
 
+@pytest.mark.slow
 def test_limits_are_narrower_than_without_a_good_run(learned: TwinLimits) -> None:
     wide = TwinLimits.of(ARM)
     assert learned.mass < 0.5 * wide.mass

@@ -153,6 +153,7 @@ def test_without_the_commands_nothing_is_said_about_programs() -> None:
     assert watching.figures.path is None
 
 
+@pytest.mark.slow
 def test_a_stop_of_this_program_is_no_divergence() -> None:
     arm, watching = rubbed(), monitor()
     assert said(watching, work(arm, movej2(*THERE))) == []

@@ -358,6 +358,7 @@ with aioduco.sync.connect("192.168.1.10") as robot:
     assert report.ok, report.findings
 
 
+@pytest.mark.slow
 def test_when_a_value_came_is_said_in_the_programs_time(tmp_path: Path) -> None:
     report = tried(
         tmp_path,
