@@ -355,6 +355,7 @@ def test_open_returns_minus_one_for_what_is_no_address(ip: Any) -> None:
     assert "the host must be a name or an address" in str(robot.last_error)
 
 
+@pytest.mark.slow
 def test_a_lost_answer_is_told_in_last_error(server: RecordingServer) -> None:
     gate = threading.Event()
     server.answer("movej2", lambda *_: gate.wait(30.0) and 4)

@@ -124,7 +124,7 @@ async def _stopped(case: Case, held: str = "") -> tuple[list[str], BaseException
         return names, raised[0] if raised else None
 
 
-@pytest.mark.cases(2)
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("case", MOVING, ids=lambda case: f"{case.section}-{case.name}")
 async def test_what_reads_before_it_is_sent_is_not_sent_after_a_stop(case: Case) -> None:
     names, error = await _stopped(case)

@@ -129,6 +129,7 @@ async def test_a_resume_whose_answer_is_lost_moves_nothing_later(bench: Bench) -
             await task
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("how", ["lost", "cancelled"])
 @pytest.mark.parametrize("queue", ["realtime", "track"])
 async def test_points_whose_answer_is_lost_move_nothing_later(

@@ -94,6 +94,7 @@ def test_every_public_value_takes_numbers_of_numpy(monkeypatch: pytest.MonkeyPat
     assert not wrong, "\n".join(wrong)
 
 
+@pytest.mark.slow
 def test_no_value_and_no_error_is_held() -> None:
     plain = (BaseException, enum.Enum, tuple)
     wrong = [

@@ -121,6 +121,7 @@ def test_interpolation_ends_at_its_ends() -> None:
         a.interpolate(b, 1.1)
 
 
+@pytest.mark.slow
 @given(st.integers(0, 40), st.integers(0, 2**32 - 1))
 def test_arrays_of_rotations_convert_as_each_alone(count: int, seed: int) -> None:
     rotvec = np.random.default_rng(seed).uniform(-4, 4, (count, 3))

@@ -211,6 +211,7 @@ def test_a_camera_of_the_window_is_in_degrees() -> None:
     assert (*window.cam.lookat, window.cam.distance) == (1.0, 2.0, 3.0, 3.0)
 
 
+@pytest.mark.slow
 def test_without_a_display_there_is_no_window(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "platform", "linux")
     monkeypatch.delenv("DISPLAY", raising=False)

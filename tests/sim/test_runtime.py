@@ -213,6 +213,7 @@ def test_physics_that_fail_are_answered_by_errors_and_not_by_old_states(
         runtime.lock()
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("real_cycle", "real_power")
 def test_statistics_of_a_loop_in_real_time(arm: Follower) -> None:
     with running(arm) as runtime:
@@ -253,6 +254,7 @@ def in_batches(
         runtime.close()
 
 
+@pytest.mark.slow
 def test_some_cycles_run_at_one_go_unless_somebody_asks(
     arm: Follower, monkeypatch: pytest.MonkeyPatch
 ) -> None:

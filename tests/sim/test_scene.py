@@ -256,6 +256,7 @@ def test_the_weight_pulls_downwards_however_the_arm_is_mounted(place: Any) -> No
     np.testing.assert_allclose(after - before, [1.0, 2.0, 3.0], atol=0.05)
 
 
+@pytest.mark.slow
 def test_forces_at_the_tool_are_without_the_weight_at_a_wall(started: Started) -> None:
     sim, robot = started(mounting="wall")
     assert robot.set_load_data([3.0, 0.0, 0.02, 0.05]) == 4

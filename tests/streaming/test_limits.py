@@ -159,6 +159,7 @@ def test_braking_in_fewer_steps_is_no_longer_way(kind: Any) -> None:
 THREAD = WorkerOptions(run_in="thread")
 
 
+@pytest.mark.slow
 async def test_joint_speeds_carry_the_dead_man_time_and_end_by_speed_stop(
     controller: Controller,
 ) -> None:

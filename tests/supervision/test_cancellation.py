@@ -198,6 +198,7 @@ async def test_an_answer_that_is_lost_stops_the_arm(bench: Bench) -> None:
         assert not bench.moving()
 
 
+@pytest.mark.slow
 async def test_a_motion_that_is_served_after_the_stop_is_stopped_too(bench: Bench) -> None:
     """Its answer was lost, the stop came first, and then the controller began to move."""
     bench.motion_time = 30.0

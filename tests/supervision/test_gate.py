@@ -323,7 +323,7 @@ async def test_a_motion_asked_while_a_stop_is_confirmed_waits_for_the_standstill
         assert stood == [True]
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("stop", "later"),
     [

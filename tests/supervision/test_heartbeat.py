@@ -142,6 +142,7 @@ def test_a_hung_loop_is_reported_before_the_arm_is_stopped(monkeypatch: pytest.M
     assert noted[noted.index("stop") - 1] is HeartbeatState.STALLED
 
 
+@pytest.mark.slow
 async def test_a_lost_heartbeat_is_reported_and_comes_back(
     bench: Bench, caplog: pytest.LogCaptureFixture
 ) -> None:

@@ -91,6 +91,7 @@ async def test_an_arm_that_moves_on_is_not_said_to_stand(monkeypatch: pytest.Mon
         assert server.names.count("stop") >= 2
 
 
+@pytest.mark.slow
 async def test_a_controller_that_answers_nothing_is_not_said_to_have_stopped() -> None:
     with controller(*[None] * 99) as server:
         with pytest.raises(StopUnconfirmed, match="emergency stop") as caught:

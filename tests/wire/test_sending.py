@@ -153,6 +153,7 @@ async def test_a_permit_is_asked_again_on_another_connection() -> None:
 # In parts
 
 
+@pytest.mark.slow
 async def test_a_long_call_is_sent_in_parts_and_the_loop_goes_on() -> None:
     read = threading.Event()
     async with opened(unread(read), call_timeout=PATIENCE) as (lane, server):

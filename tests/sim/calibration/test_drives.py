@@ -71,6 +71,7 @@ def test_noise_below_the_steps_of_a_recording_is_not_claimed() -> None:
     assert "not above the steps" in found.missing[0]
 
 
+@pytest.mark.slow
 def test_a_drive_that_does_not_trail_by_a_constant_time_is_left_out() -> None:
     random, lag, gain, noise = hidden(5)
     motions = turns(random, lag, gain, noise)
