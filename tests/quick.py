@@ -50,6 +50,7 @@ WAITS = {
     "hostile/": 3,
     "planning/": 2,
     "programs/": 3,
+    "shipped/": 16,
     "sim/": 2,
     "sim/planner/": 1,
     "streaming/": 2,

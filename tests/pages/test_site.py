@@ -67,9 +67,8 @@ def test_the_search_finds_a_word_and_asks_the_network_for_nothing(site: Path) ->
             opened.on("pageerror", lambda error: errors.append(str(error)))
             opened.route("**/*", refused)
             opened.goto((site / f"{page}.html").as_uri())
-            # before that, nothing takes in what is typed
-            opened.get_by_text("Type to start searching").wait_for(state="attached")
-            opened.locator("input[name=query]").fill("HeartbeatLost")
+            # by keys: the page takes in what is there when one is released
+            opened.locator("input[name=query]").press_sequentially("HeartbeatLost")
             first = opened.locator(".md-search-result__link").first
             first.wait_for(state="attached")
             link = first.get_attribute("href") or ""

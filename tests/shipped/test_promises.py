@@ -129,7 +129,6 @@ def program(sim: Simulator, body: str, guard: str | None) -> Iterator[subprocess
             child.kill()
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("guard", [None, "process"], ids=["alone", "guard"])
 @pytest.mark.parametrize("case", CASES)
 @pytest.mark.linux("signals that freeze and interrupt a process")
