@@ -407,7 +407,7 @@ class Supervisor:
             self.gate.rearm(boot_time())  # opening may have taken long: it moved nothing
             if self.heartbeat is not None:
                 self.heartbeat.start()
-                if not await _beats(self.heartbeat, self.gate, timeout):
+                if not await _beats(self.heartbeat, self.gate, timeout, opening=True):
                     silent = TimeoutError("the heartbeat was not answered")
                     raise silent from self.heartbeat.error
         except TimeoutError as exc:
@@ -652,7 +652,9 @@ async def _version(lane: WireLane) -> str:
     return version
 
 
-async def _beats(heartbeat: Heartbeat | GuardClient, gate: Gate, timeout: float) -> bool:
+async def _beats(
+    heartbeat: Heartbeat | GuardClient, gate: Gate, timeout: float, *, opening: bool = False
+) -> bool:
     """Wait until a beat was answered, and the gate knows. Returns whether it was in time.
 
     The heartbeat's thread tells the gate after it has noted the answer. Until then the gate may
@@ -662,10 +664,14 @@ async def _beats(heartbeat: Heartbeat | GuardClient, gate: Gate, timeout: float)
         heartbeat: the heartbeat.
         gate: what it opens.
         timeout: seconds to wait.
+        opening: whether the robot is being opened: an event loop that hung meanwhile moved nothing.
     """
     until = time.monotonic() + timeout
     async for due in every(_LOOK_EVERY):
-        if heartbeat.state is HeartbeatState.BEATING and gate.lease > boot_time():
+        if opening and (gate.hung or heartbeat.state is HeartbeatState.STALLED):
+            heartbeat.rearm()
+            gate.rearm(boot_time())
+        elif heartbeat.state is HeartbeatState.BEATING and gate.lease > boot_time():
             return True
         if due >= until:
             break

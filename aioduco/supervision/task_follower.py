@@ -58,7 +58,7 @@ STEADY = 0.005
 #: of one that runs for long, as a part of its time
 PROMPT = 0.002
 #: maximum seconds between polls, far from an expected end
-SLOW = 0.1
+SLOW = 0.05
 #: time after its expected end for which a task is polled at the fast rate [s]
 OVERDUE = 0.1
 #: part of the time since its acceptance, or until its expected end, that passes without a poll

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import asyncio
 import threading
+import time
 
 import pytest
 from client.bench import HOME, Bench
@@ -30,3 +32,23 @@ async def test_a_first_beat_that_takes_longer_than_the_stall_limit_is_no_hung_lo
         assert robot.heartbeat.stalls == 0
         assert not bench.received("stop")
         await robot.motion.movej2(HOME, v=1.0, a=1.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("guard", [None, "process"], ids=["alone", "guard"])
+async def test_an_event_loop_that_hangs_meanwhile_is_no_controller_that_is_silent(
+    bench: Bench, guard: GuardKind | None
+) -> None:
+    never, loop = threading.Event(), asyncio.get_running_loop()
+
+    def hold_up_the_first(milliseconds: int) -> None:
+        if len(bench.received("rpc_heartbeat")) == 1:
+            loop.call_soon_threadsafe(time.sleep, 1.0)
+            never.wait(0.6)
+
+    bench.answer("rpc_heartbeat", hold_up_the_first)
+    async with aioduco.connect(
+        bench.host, bench.port, guard=guard, heartbeat=60.0, call_timeout=20.0, loop_stall_limit=0.3
+    ) as robot:
+        await robot.motion.movej2(HOME, v=1.0, a=1.0)
+    assert len(bench.received("movej2")) == 1
