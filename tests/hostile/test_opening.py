@@ -50,5 +50,6 @@ async def test_an_event_loop_that_hangs_meanwhile_is_no_controller_that_is_silen
     async with aioduco.connect(
         bench.host, bench.port, guard=guard, heartbeat=60.0, call_timeout=20.0, loop_stall_limit=0.3
     ) as robot:
+        assert not bench.received("stop")
         await robot.motion.movej2(HOME, v=1.0, a=1.0)
     assert len(bench.received("movej2")) == 1
