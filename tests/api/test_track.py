@@ -131,8 +131,10 @@ async def test_a_stop_empties_a_pool_with_points_of_this_program(
     await robot.stop()
     assert "trackClearQueue" not in pool.commands
     await robot.track.trackEnqueue([Pose(*POSE)])
+    before = len(pool.commands)
     await robot.stop()
-    assert pool.commands[-3:] == ["stop", "trackClearQueue", "stop"]
+    # on two connections: a busy machine may serve the later one first
+    assert set(pool.commands[before:]) == {"stop", "trackClearQueue"}
     # its kind is forgotten
     await robot.track.trackEnqueue([Joints(*HOME)])
     await robot.track.trackJointMotion(1.0, 2.0)
