@@ -531,8 +531,13 @@ async def connect(
             stream = DeadlineSocket(each)
             try:
                 stream.prepare()
-                async with asyncio.timeout(max(0.0, until - time.monotonic())):
-                    await _connect(loop, stream.socket, each[-1])
+                try:
+                    async with asyncio.timeout(max(0.0, until - time.monotonic())):
+                        await _connect(loop, stream.socket, each[-1])
+                except TimeoutError:
+                    # a loop that stood still is told of the connection and of the time at once
+                    if not stream.has_peer:
+                        raise
             except BaseException:
                 stream.discard()
                 raise

@@ -122,6 +122,15 @@ class DeadlineSocket:
         # from here on the system enforces a thread's deadlines, if it can
         sock.setblocking(blocking)
 
+    @property
+    def has_peer(self) -> bool:
+        """Whether the other side has taken the connection."""
+        try:
+            self.socket.getpeername()
+        except OSError:
+            return False
+        return True
+
     def _wait_connected(self, deadline: float) -> int:
         left = deadline - time.monotonic()
         if left <= 0 or not readiness(self.socket, writing=True)(left):

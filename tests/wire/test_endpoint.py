@@ -5,8 +5,10 @@ That each address has its share of the time: `test_connection.py` and `hostile/t
 
 from __future__ import annotations
 
+import asyncio
 import socket
 import threading
+import time
 from collections.abc import Callable
 from itertools import product
 
@@ -38,6 +40,18 @@ async def test_an_address_that_refuses_costs_no_time(names: Names) -> None:
         names.addresses.pop()
         with pytest.raises(ConnectError, match="refused"):
             await WireLane("test", NAME, 7003).open()
+
+
+async def test_a_connection_that_was_made_while_the_loop_stood_still_is_taken() -> None:
+    with ScriptedServer() as server:
+        lane = WireLane("test", server.host, server.port, connect_timeout=SHORT)
+        opening = asyncio.ensure_future(lane.open())
+        while not opening.done():
+            await asyncio.sleep(0)
+            time.sleep(2 * SHORT)  # noqa: ASYNC251 - the loop stands still
+        await opening
+        assert await lane.rpc.resume(True) == 0
+        await lane.aclose()
 
 
 # Names
