@@ -192,7 +192,8 @@ def test_a_tried_program_ends_with_a_preflight_that_is_killed(tmp_path: Path) ->
     tried = tmp_path / "tried.py"
     tried.write_text("import threading\nprint('here', flush=True)\nthreading.Event().wait()\n")
     command = [sys.executable, "-m", "aioduco.cli", "preflight", str(tried)]
-    with subprocess.Popen(command, stdout=subprocess.PIPE) as running:
+    own = os.environ | {"TMPDIR": str(tmp_path)}  # what it leaves
+    with subprocess.Popen(command, stdout=subprocess.PIPE, env=own) as running:
         assert running.stdout is not None
         assert running.stdout.readline() == b"here\n"
         (child,) = psutil.Process(running.pid).children()

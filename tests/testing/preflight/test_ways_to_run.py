@@ -115,10 +115,11 @@ def test_a_module_runs_as_python_runs_it(cell: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.timeout(300)
 def test_a_cluster_elsewhere_runs_in_the_same_folder_and_a_killed_worker_costs_no_result(
-    cell: Path, monkeypatch: pytest.MonkeyPatch
+    cell: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     """Its workers were started in another folder. Of these seeds one cuts a command here."""
     distributed = pytest.importorskip("distributed")
+    monkeypatch.setenv("TMPDIR", str(tmp_path))  # what the killed one leaves
     run, killed = module.sweep, list[int]()
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, dashboard_address="127.0.0.1:0", host="127.0.0.1"
