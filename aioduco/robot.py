@@ -866,6 +866,6 @@ class Robot(Uncopied, ManualNames, MisspeltRefused):
 
         Raises:
             ParameterError: the time is not above 0.
-            HeartbeatLost: no beat was answered in time.
+            HeartbeatLost: no beat was answered in time, or the event loop hung again.
         """
         await self._supervisor.rearm_heartbeat(timeout)

@@ -433,7 +433,11 @@ class Supervisor:
         self.heartbeat.rearm()
         self.gate.rearm(boot_time())
         if not await _beats(self.heartbeat, self.gate, limit):
-            raise HeartbeatLost(f"no heartbeat was answered within {timeout:g} s")
+            raise HeartbeatLost(
+                "the event loop hung again; call robot.rearm_heartbeat() once more"
+                if self.gate.hung
+                else f"no heartbeat was answered within {timeout:g} s"
+            )
 
     def _watch_loop(self) -> None:
         if self.settings.lag_limit is not None:
@@ -673,7 +677,7 @@ async def _beats(
             gate.rearm(boot_time())
         elif heartbeat.state is HeartbeatState.BEATING and gate.lease > boot_time():
             return True
-        if due >= until:
+        if due >= until or (gate.hung and not opening):
             break
     return False
 

@@ -6518,7 +6518,7 @@ class Robot(RobotLifecycle, ManualNames):
 
         Raises:
             ParameterError: the time is not above 0.
-            HeartbeatLost: no beat was answered in time.
+            HeartbeatLost: no beat was answered in time, or the robot's thread hung again.
         """
         self._call(self._made.rearm_heartbeat(timeout=timeout))
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import asyncio
 import itertools
 import logging
 import statistics
 import subprocess
 import sys
 import textwrap
+import threading
 import time
 from types import SimpleNamespace
 from typing import cast
@@ -37,6 +39,12 @@ def state(robot: aioduco.Robot) -> HeartbeatState:
     figures = robot.heartbeat
     assert figures is not None
     return figures.state
+
+
+def stalls(robot: aioduco.Robot) -> int:
+    figures = robot.heartbeat
+    assert figures is not None
+    return figures.stalls
 
 
 async def test_beats_three_times_per_heartbeat_time(bench: Bench) -> None:
@@ -84,6 +92,26 @@ async def test_a_beat_whose_time_has_passed_does_not_rearm() -> None:
     assert not await _beats(answered, gate, 0.0)
     gate.beaten(now + 60.0)
     assert await _beats(answered, gate, 0.0)
+
+
+@pytest.mark.slow
+async def test_a_loop_that_hangs_again_while_it_is_rearmed_is_told_as_such(
+    bench: Bench, caplog: pytest.LogCaptureFixture
+) -> None:
+    async with aioduco.connect(
+        bench.host, bench.port, heartbeat=60.0, loop_stall_limit=1.0
+    ) as robot:
+        loop, never = asyncio.get_running_loop(), threading.Event()
+
+        def hang(milliseconds: int) -> None:
+            loop.call_soon_threadsafe(eventually, lambda: stalls(robot) == 2)
+            never.wait(1.5)  # the controller's time for an answer
+
+        bench.answer("rpc_heartbeat", hang)
+        with caplog.at_level(logging.CRITICAL, "aioduco"):
+            eventually(lambda: stalls(robot) == 1)  # blocks the event loop
+            with pytest.raises(aioduco.HeartbeatLost, match=r"hung again.*rearm_heartbeat"):
+                await robot.rearm_heartbeat(timeout=60.0)
 
 
 @pytest.mark.slow
