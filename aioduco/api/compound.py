@@ -9,7 +9,7 @@ from aioduco._wire.rpc import calls
 from aioduco.api.section import Section, checked_task_id
 from aioduco.models import ranges
 from aioduco.models.op import Op, wire_op
-from aioduco.models.rules.lists import listed
+from aioduco.models.rules import listed
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from aioduco.errors import Described, ParameterError
 from aioduco.models.op import PointOp
-from aioduco.models.rules.lists import listed
+from aioduco.models.rules import listed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

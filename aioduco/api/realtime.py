@@ -10,7 +10,7 @@ from aioduco.api.streams.realtime import RealtimeStreams
 from aioduco.errors import ParameterError, Refused
 from aioduco.models import ranges
 from aioduco.models.realtime import RealtimeMode, RealtimePoint
-from aioduco.models.rules.lists import listed
+from aioduco.models.rules import listed
 from aioduco.supervision.permits import asked_at_call
 
 if TYPE_CHECKING:

@@ -12,9 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias, get_args
 from aioduco.errors import Described, ParameterError
 from aioduco.models.pose import Joints
 from aioduco.models.ranges import FINITE, OWN_NAME_OR_NONE
-from aioduco.models.rules import Number, VectorLike
-from aioduco.models.rules.lists import ordered
-from aioduco.models.rules.scalars import FARTHEST
+from aioduco.models.rules import FARTHEST, Number, VectorLike, ordered
 from aioduco.models.words import one_of
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from typing import Any
 from aioduco.errors import ParameterError
 from aioduco.kinematics.arm import Arm
 from aioduco.kinematics.geometry import LENGTHS, Geometry
-from aioduco.models.rules.scalars import FARTHEST, Number
+from aioduco.models.rules import FARTHEST, Number
 from aioduco.models.words import one_of
 
 _LENGTH = Number(unit="m", plausible=FARTHEST, source="this package")

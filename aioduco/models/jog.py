@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 from aioduco._wire import rpc
 from aioduco.errors import ParameterError
 from aioduco.models.named_int import NamedInt
-from aioduco.models.rules import Choice, Integer, Number, Real, Whole
-from aioduco.models.rules.scalars import LONGEST_ARM
+from aioduco.models.rules import LONGEST_ARM, Choice, Integer, Number, Real, Whole
 from aioduco.models.words import one_of
 
 if TYPE_CHECKING:

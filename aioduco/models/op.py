@@ -14,8 +14,7 @@ from aioduco._wire import rpc
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.pose import Joints, Pose, PoseLike
-from aioduco.models.rules import Integer, Number, Real, Whole
-from aioduco.models.rules.scalars import LONGEST_ARM
+from aioduco.models.rules import LONGEST_ARM, Integer, Number, Real, Whole
 
 __all__ = [
     "ControllerEvent",

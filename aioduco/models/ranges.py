@@ -18,6 +18,9 @@ from typing import TYPE_CHECKING
 from aioduco.errors import ParameterError, UnitWarning
 from aioduco.models import jog, realtime
 from aioduco.models.rules import (
+    FARTHEST,
+    LONGEST,
+    LONGEST_ARM,
     Choice,
     Duration,
     FileName,
@@ -36,9 +39,8 @@ from aioduco.models.rules import (
     Texts,
     Vector,
     is_whole,
+    ordered,
 )
-from aioduco.models.rules.lists import ordered
-from aioduco.models.rules.scalars import FARTHEST, LONGEST, LONGEST_ARM
 
 if TYPE_CHECKING:
     from aioduco.models.rules import FlagsLike, Real, VectorLike, Whole

@@ -9,8 +9,7 @@ import numpy as np
 
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
-from aioduco.models.rules import Number
-from aioduco.models.rules.lists import ordered
+from aioduco.models.rules import Number, ordered
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

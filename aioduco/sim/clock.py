@@ -7,7 +7,7 @@ from collections import deque
 from typing import NamedTuple
 
 from aioduco.errors import ParameterError
-from aioduco.models.rules import is_number
+from aioduco.models.numpy_on_use import is_number
 
 #: longest delay that the schedule catches up with; it drops a longer one [s of real time]
 _SLACK = 0.1

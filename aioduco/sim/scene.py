@@ -20,8 +20,7 @@ from aioduco.kinematics.mjcf_elements import numbers, placed
 from aioduco.kinematics.mounting import MountingLike, base_in_world
 from aioduco.models.pose import Pose, PoseLike
 from aioduco.models.ranges import OWN_NAME_OR_NONE
-from aioduco.models.rules import Number, Vector, stored
-from aioduco.models.rules.lists import ordered
+from aioduco.models.rules import Number, Vector, ordered, stored
 
 if TYPE_CHECKING:
     from aioduco.kinematics import Arm

@@ -9,7 +9,7 @@ import numpy as np
 
 from aioduco.errors import Described, ParameterError
 from aioduco.models.numpy_on_use import number_array
-from aioduco.models.rules.scalars import LONGEST
+from aioduco.models.rules import LONGEST
 from aioduco.streaming.shared.space import PoseSpace, Space
 
 if TYPE_CHECKING:

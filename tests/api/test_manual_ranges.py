@@ -9,7 +9,7 @@ import numpy as np
 from for_each import for_each
 
 from aioduco import ParameterError
-from aioduco.models.rules.scalars import LONGEST_ARM
+from aioduco.models.rules import LONGEST_ARM
 from api.cases import MANUAL, Case, cases, refusal
 
 #: which elements of a vector a range is of

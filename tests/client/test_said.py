@@ -16,7 +16,7 @@ import aioduco
 import aioduco.sync
 from aioduco import MotionCarriedOut, Op, Outcome, ParameterError, UnitWarning, output
 from aioduco.kinematics import arm, models
-from aioduco.models.rules.scalars import FARTHEST, LONGEST_ARM
+from aioduco.models.rules import FARTHEST, LONGEST_ARM
 from aioduco.testing import eventually_async
 from client.bench import HOME, POSE, Bench
 

@@ -9,7 +9,8 @@ import numpy as np
 
 from aioduco.api.arguments import gains
 from aioduco.errors import ParameterError
-from aioduco.models.rules import Number, Real, is_number
+from aioduco.models.numpy_on_use import is_number
+from aioduco.models.rules import Number, Real
 from aioduco.streaming.shared.space import JERK, Limits
 
 if TYPE_CHECKING:

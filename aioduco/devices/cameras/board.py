@@ -9,8 +9,7 @@ import numpy as np
 
 from aioduco.devices.cameras.camera import CameraFrame
 from aioduco.errors import MissingExtra, ParameterError
-from aioduco.models.rules import Number, is_whole, stored
-from aioduco.models.rules.scalars import LONGEST_ARM
+from aioduco.models.rules import LONGEST_ARM, Number, is_whole, stored
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from aioduco.errors import Described, ParameterError
+from aioduco.models.numpy_on_use import is_number
 from aioduco.models.ranges import ABOVE, FINITE, FROM_0, OWN_NAME
-from aioduco.models.rules import Vector, is_number, stored
+from aioduco.models.rules import Vector, stored
 from aioduco.models.toml_files import read_text
 from aioduco.models.whole_files import write_whole
 from aioduco.sim.twin.data import Six, TwinCommand, TwinSample
