@@ -87,7 +87,7 @@ And what it describes otherwise:
 def sections() -> dict[str, list[tuple[str, str]]]:
     """Section heading -> its functions on the wire, each with its meaning."""
     text = IDL.read_text(encoding="utf-8")
-    service = text[text.index("service RPCRobot {") :]
+    service = text[text.index("service RPCRobot {") : text.index("service RPCRobotNewer")]
     found: dict[str, list[tuple[str, str]]] = {}
     current: list[tuple[str, str]] = []
     pattern = r"^  // (?P<head>.+)$|/\*\* (?P<about>.+?) \*/\n\s*[\w<>,]+ (?P<name>\w+)\("

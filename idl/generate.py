@@ -72,8 +72,15 @@ class Functions(ABC):
         """Send one call and return what is answered."""
 '''
 
+NEWER_FUNCTIONS = '''
+class NewerFunctions(Functions):
+    """The same, with those that manual 4.3 adds; older controllers do not have them."""
+
+    __slots__ = ()
+'''
+
 CLIENTS = '''
-class RpcClient(Functions):
+class RpcClient(NewerFunctions):
     """Every function of the wire, for callers that own a thread; `call` sends one."""
 
     __slots__ = ("_send",)
@@ -112,7 +119,7 @@ class WireFunction(Protocol[P, R_co]):
     ) -> Callable[P, WireCall[R_co]]: ...
 
 
-def taken_over(function: Callable[Concatenate[Functions, P], R]) -> WireFunction[P, R]:
+def taken_over(function: Callable[Concatenate[NewerFunctions, P], R]) -> WireFunction[P, R]:
     """The same function: it returns what `_call` of its new class returns."""
     return cast("WireFunction[P, R]", function)
 
@@ -211,7 +218,6 @@ def generate() -> str:
     text = IDL.read_text(encoding="utf-8")
     notes = comments(text)
     module = thriftpy2.load(str(IDL), module_name="aioduco_idl_generate_thrift")
-    service = module.RPCRobot
     out = [HEADER]
 
     for struct in module.__thrift_meta__["structs"]:
@@ -224,15 +230,21 @@ def generate() -> str:
             out.append(f"    {entry[1]}: {py_type(spec, 'list')} = {default(spec)}")
         out.append("")
 
-    out.append(FUNCTIONS)
-    for name in service.thrift_services:
-        entries = list(getattr(service, f"{name}_args").thrift_spec.values())
-        returns = result_type(service, name)
-        out.append(signature(name, entries, returns))
-        out.append(f'        """{notes[name]}"""')
-        out.append(call(name, entries) + "\n")
+    written: dict[str, str] = {}
+    for head, service in ((FUNCTIONS, module.RPCRobot), (NEWER_FUNCTIONS, module.RPCRobotNewer)):
+        out.append(head)
+        owner = head.split("class ")[1].split("(")[0]
+        for name in service.thrift_services:
+            if name in written:
+                continue  # of the service that it extends
+            written[name] = owner
+            entries = list(getattr(service, f"{name}_args").thrift_spec.values())
+            returns = result_type(service, name)
+            out.append(signature(name, entries, returns))
+            out.append(f'        """{notes[name]}"""')
+            out.append(call(name, entries) + "\n")
     out.append(CLIENTS)
-    out += [f"    {name}: Final = taken_over(Functions.{name})" for name in service.thrift_services]
+    out += [f"    {name}: Final = taken_over({owner}.{name})" for name, owner in written.items()]
     out.append(TAKEN_OVER)
     return "\n".join(out) + "\n"
 

@@ -29,8 +29,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from aioduco._wire import idl  # noqa: E402  # of this checkout
-from aioduco._wire.rpc import Functions  # noqa: E402  # of this checkout
+from aioduco._wire.rpc import Functions, NewerFunctions  # noqa: E402  # of this checkout
 from aioduco.api.section import Section  # noqa: E402  # of this checkout
 from aioduco.api.streams import StreamMaker  # noqa: E402  # of this checkout
 from aioduco.api.streams.servo import OffsetStream  # noqa: E402  # of this checkout
@@ -631,8 +630,8 @@ class Generator:
         for section, kind in {"": Robot, **self.sections()}.items():
             if section == "blocking":
                 continue  # the same functions again
-            every = [name for name in vars(Functions) if name[0] != "_"]
-            names = [name for name in (*every, *idl.NEWER) if hasattr(kind, name)]
+            every = (*vars(Functions), *vars(NewerFunctions))
+            names = [name for name in every if name[0] != "_" and hasattr(kind, name)]
             filled = textwrap.wrap(" ".join(names), 92)
             if filled:
                 lines += [

@@ -773,3 +773,31 @@ service RPCRobot {
   /** Write the robot's parameters to the tool board. Not in the manual. */
   i32 upload_robot_param_to_toolboard(1: string passwd)
 }
+
+/**
+ * What manual 4.3 adds without arguments. A call without arguments is its name alone, so these can be
+ * sent to a controller of 4.3; others do not have them. What they return follows from that manual, and
+ * is an assumption for the two commanded values, which only the vendor's newest headers have.
+ */
+service RPCRobotNewer extends RPCRobot {
+  /** Pose of the arm's base, m, rad. Manual 4.3. */
+  list<double> get_base()
+  /** Joints of the home position, rad. Manual 4.3. */
+  list<double> get_home_pose()
+  /** Angles at which the arm is mounted: ry and rz. Manual 4.3. */
+  list<double> get_installation()
+  /** Commanded pose of the tool, m, rad. In no manual. */
+  list<double> get_tcp_pose_command()
+  /** Commanded speed of the tool, m/s, rad/s. In no manual. */
+  list<double> get_tcp_speed_command()
+  /** Let motions track a seam by a laser sensor. Manual 4.3. */
+  i32 enable_laser_track()
+  /** End the tracking of a seam. Manual 4.3. */
+  i32 disable_laser_track()
+  /** Forget the offsets that the laser sensor found. Manual 4.3. */
+  i32 reset_laser_track()
+  /** Whether the controller simulates the arm. Manual 4.3. */
+  bool get_simulation_state()
+  /** Empty the list of errors. Manual 4.3. */
+  void clear_error_message()
+}

@@ -591,7 +591,7 @@ def test_thrifts_library_is_replaced_only_where_it_is_missing() -> None:
 def test_functions_of_the_newer_manual_without_arguments_are_sent(
     server: RecordingServer, robot: DucoCobot
 ) -> None:
-    for name, returned in idl.NEWER.items():
+    for name, returned in idl.functions().newer.items():
         value = {"list<double>": [0.5] * 6, "i32": 4, "bool": True, "void": None}[returned]
         server.answer(name, value)
         assert getattr(robot, name)() == value
@@ -600,7 +600,7 @@ def test_functions_of_the_newer_manual_without_arguments_are_sent(
 
 def test_an_older_controller_does_not_know_them() -> None:
     with Simulator(speed=math.inf) as sim, DucoCobot(sim.host, sim.port) as robot:
-        for name in idl.NEWER:
+        for name in idl.functions().newer:
             with pytest.raises(UnknownFunction, match=name):
                 getattr(robot, name)()
         assert robot.get_robot_state()  # the connection lives on

@@ -42,7 +42,7 @@ def modules(having: str = "") -> dict[str, ast.Module]:
 #: other modules whose names are public
 LISTED = {"sim/scene.py", "supervision/events.py"}
 #: modules that list all that they define
-WHOLE = {"_wire/newer.py", "api/blocking.py", "robot.py"}
+WHOLE = {"api/blocking.py", "robot.py"}
 
 
 def lies_in(path: str, places: dict[str, str]) -> bool:

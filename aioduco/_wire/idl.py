@@ -19,7 +19,8 @@ from aioduco._wire.framing import TType
 from aioduco._wire.layout import Layouts, packer
 from aioduco._wire.type_checks import Check, check_of, type_of
 
-SERVICE = "RPCRobot"
+#: the functions of manual 3.8, and those that manual 4.3 adds
+SERVICE, NEWER_SERVICE = "RPCRobot", "RPCRobotNewer"
 
 #: factories for the value that a missing field has
 _ZERO: dict[int, Any] = {
@@ -38,28 +39,12 @@ _OLDER_IO = (
 )
 #: functions whose result other controllers return with other fields under the same numbers
 _INSTEAD = {"getRobotIOStatus": (rpc.IOStatus, _OLDER_IO), **newer.INSTEAD}
-#: functions that manual 4.3 adds, by name what they return: without arguments, the name is the call
-NEWER = {
-    **dict.fromkeys(
-        (
-            "get_base",
-            "get_home_pose",
-            "get_installation",
-            "get_tcp_pose_command",
-            "get_tcp_speed_command",
-        ),
-        "list<double>",
-    ),
-    **dict.fromkeys(("enable_laser_track", "disable_laser_track", "reset_laser_track"), "i32"),
-    "get_simulation_state": "bool",
-    "clear_error_message": "void",
-}
 _Spec = dict[int, tuple[Any, ...]]
 
-#: patterns of all that the file may contain: comments, structs, the service, fields, functions
+#: patterns of all that the file may contain: comments, structs, services, fields, functions
 _COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
 _STRUCT = re.compile(r"\bstruct (\w+) \{(.*?)\}", re.DOTALL)
-_SERVICE = re.compile(rf"\bservice {SERVICE} \{{(.*?)\}}", re.DOTALL)
+_SERVICE = re.compile(r"\bservice (\w+)(?: extends \w+)? \{(.*?)\}", re.DOTALL)
 _FIELD = re.compile(r"(\d+):\s*([\w<>,]+) (\w+)")
 _FUNCTION = re.compile(r"([\w<>,]+) (\w+)\((.*?)\)", re.DOTALL)
 _CONTAINER = re.compile(r"(list|map)<(.+)>")
@@ -117,24 +102,31 @@ class Function:
 class Functions(Mapping[str, Function]):
     """The functions of the wire by name; each `Function` is made when it is first used.
 
-    Those of `NEWER` can be had by name, and are no part of the wire of 3.8 that is listed.
+    Those that manual 4.3 adds can be had by name, and are no part of the wire of 3.8, which is
+    listed.
 
     A stream's worker calls ten of them. Any thread may use the mapping; all get the same objects.
+
+    Attributes:
+        newer: those that manual 4.3 adds, which take no arguments: by name what they return.
     """
 
-    __slots__ = ("_lines", "_made")
+    __slots__ = ("_lines", "_made", "newer")
 
-    def __init__(self, service: str) -> None:
+    def __init__(self, service: str, newer_service: str) -> None:
         self._made: dict[str, Function] = {}
         #: by name, the return type and the parameters, as written in the IDL
         self._lines = {
             name: (returned, arguments) for returned, name, arguments in _FUNCTION.findall(service)
         }
+        self.newer: dict[str, str] = {
+            name: returned for returned, name, _ in _FUNCTION.findall(newer_service)
+        }
 
     def __getitem__(self, name: str) -> Function:
         made = self._made.get(name)
         if made is None:
-            returned, arguments = self._lines.get(name) or (NEWER[name], "")
+            returned, arguments = self._lines.get(name) or (self.newer[name], "")
             spec = fields_of(arguments)
             function = Function(name, spec, _result(returned))
             if name in newer.SCHEMES:
@@ -169,13 +161,13 @@ def functions() -> Functions:
     text = _COMMENT.sub("", path().read_text("utf-8"))
     for name, fields in _STRUCT.findall(text):
         getattr(rpc, name).thrift_spec = fields_of(fields)
-    (service,) = _SERVICE.findall(text)
-    return Functions(service)
+    services = dict(_SERVICE.findall(text))
+    return Functions(services[SERVICE], services[NEWER_SERVICE])
 
 
 def names() -> set[str]:
-    """Return the names of all functions: those that are listed, and those of `NEWER`."""
-    return {*functions(), *NEWER}
+    """Return the names of all functions, those included that manual 4.3 adds."""
+    return {*functions(), *functions().newer}
 
 
 def payload(name: str, spec: _Spec) -> Any:

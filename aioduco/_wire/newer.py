@@ -1,11 +1,9 @@
-"""What the wire of manual 4.3 has otherwise than that of 3.8: answers, calls, schemes in lists.
+"""What the wire of manual 4.3 has otherwise than that of 3.8: answers, and schemes in lists.
 
 The numbers of the fields in answers are inferred: the manual prints the structs in order. None of
 them is sent. Motions with external axes name several schemes; their lists are sent under the
 numbers that the single values have in 3.8, to controllers of 4.3 alone. A controller of 3.8 never
-sends what is added, so its answers are read as structs of `rpc`. A call without arguments is its
-name alone, so those of 4.3 can be sent; what they return follows from the manual, and is an
-assumption for the two of the newest headers.
+sends what is added, so its answers are read as structs of `rpc`.
 """
 
 # The names of fields are the manual's.
@@ -17,38 +15,6 @@ from dataclasses import dataclass
 from typing import Final
 
 from aioduco._wire import rpc
-
-__all__ = [
-    "ADDED",
-    "CLEAR_ERROR_MESSAGE",
-    "DISABLE_LASER_TRACK",
-    "ENABLE_LASER_TRACK",
-    "GET_BASE",
-    "GET_HOME_POSE",
-    "GET_INSTALLATION",
-    "GET_SIMULATION_STATE",
-    "GET_TCP_POSE_COMMAND",
-    "GET_TCP_SPEED_COMMAND",
-    "INSTEAD",
-    "IN_LISTS",
-    "RESET_LASER_TRACK",
-    "SCHEMES",
-    "EAxissInfo",
-    "ReachabilityParam",
-    "RobotStatus",
-    "in_lists",
-]
-
-GET_BASE: Final[rpc.WireCall[list[float]]] = rpc.WireCall("get_base", ())
-GET_HOME_POSE: Final[rpc.WireCall[list[float]]] = rpc.WireCall("get_home_pose", ())
-GET_INSTALLATION: Final[rpc.WireCall[list[float]]] = rpc.WireCall("get_installation", ())
-GET_TCP_POSE_COMMAND: Final[rpc.WireCall[list[float]]] = rpc.WireCall("get_tcp_pose_command", ())
-GET_TCP_SPEED_COMMAND: Final[rpc.WireCall[list[float]]] = rpc.WireCall("get_tcp_speed_command", ())
-GET_SIMULATION_STATE: Final[rpc.WireCall[bool]] = rpc.WireCall("get_simulation_state", ())
-CLEAR_ERROR_MESSAGE: Final[rpc.WireCall[None]] = rpc.WireCall("clear_error_message", ())
-ENABLE_LASER_TRACK: Final[rpc.WireCall[int]] = rpc.WireCall("enable_laser_track", ())
-DISABLE_LASER_TRACK: Final[rpc.WireCall[int]] = rpc.WireCall("disable_laser_track", ())
-RESET_LASER_TRACK: Final[rpc.WireCall[int]] = rpc.WireCall("reset_laser_track", ())
 
 
 @dataclass(slots=True)

@@ -1621,7 +1621,53 @@ class Functions(ABC):
         return self._call("upload_robot_param_to_toolboard", (passwd,))
 
 
-class RpcClient(Functions):
+class NewerFunctions(Functions):
+    """The same, with those that manual 4.3 adds; older controllers do not have them."""
+
+    __slots__ = ()
+
+    def get_base(self) -> list[float]:
+        """Pose of the arm's base, m, rad. Manual 4.3."""
+        return self._call("get_base", ())
+
+    def get_home_pose(self) -> list[float]:
+        """Joints of the home position, rad. Manual 4.3."""
+        return self._call("get_home_pose", ())
+
+    def get_installation(self) -> list[float]:
+        """Angles at which the arm is mounted: ry and rz. Manual 4.3."""
+        return self._call("get_installation", ())
+
+    def get_tcp_pose_command(self) -> list[float]:
+        """Commanded pose of the tool, m, rad. In no manual."""
+        return self._call("get_tcp_pose_command", ())
+
+    def get_tcp_speed_command(self) -> list[float]:
+        """Commanded speed of the tool, m/s, rad/s. In no manual."""
+        return self._call("get_tcp_speed_command", ())
+
+    def enable_laser_track(self) -> int:
+        """Let motions track a seam by a laser sensor. Manual 4.3."""
+        return self._call("enable_laser_track", ())
+
+    def disable_laser_track(self) -> int:
+        """End the tracking of a seam. Manual 4.3."""
+        return self._call("disable_laser_track", ())
+
+    def reset_laser_track(self) -> int:
+        """Forget the offsets that the laser sensor found. Manual 4.3."""
+        return self._call("reset_laser_track", ())
+
+    def get_simulation_state(self) -> bool:
+        """Whether the controller simulates the arm. Manual 4.3."""
+        return self._call("get_simulation_state", ())
+
+    def clear_error_message(self) -> None:
+        """Empty the list of errors. Manual 4.3."""
+        return self._call("clear_error_message", ())
+
+
+class RpcClient(NewerFunctions):
     """Every function of the wire, for callers that own a thread; `call` sends one."""
 
     __slots__ = ("_send",)
@@ -1660,7 +1706,7 @@ class WireFunction(Protocol[P, R_co]):
     ) -> Callable[P, WireCall[R_co]]: ...
 
 
-def taken_over(function: Callable[Concatenate[Functions, P], R]) -> WireFunction[P, R]:
+def taken_over(function: Callable[Concatenate[NewerFunctions, P], R]) -> WireFunction[P, R]:
     """The same function: it returns what `_call` of its new class returns."""
     return cast("WireFunction[P, R]", function)
 
@@ -1896,6 +1942,16 @@ class _TakenOver:
     get_vibration_calibration_params: Final = taken_over(Functions.get_vibration_calibration_params)
     set_vibration_calibration_info: Final = taken_over(Functions.set_vibration_calibration_info)
     upload_robot_param_to_toolboard: Final = taken_over(Functions.upload_robot_param_to_toolboard)
+    get_base: Final = taken_over(NewerFunctions.get_base)
+    get_home_pose: Final = taken_over(NewerFunctions.get_home_pose)
+    get_installation: Final = taken_over(NewerFunctions.get_installation)
+    get_tcp_pose_command: Final = taken_over(NewerFunctions.get_tcp_pose_command)
+    get_tcp_speed_command: Final = taken_over(NewerFunctions.get_tcp_speed_command)
+    enable_laser_track: Final = taken_over(NewerFunctions.enable_laser_track)
+    disable_laser_track: Final = taken_over(NewerFunctions.disable_laser_track)
+    reset_laser_track: Final = taken_over(NewerFunctions.reset_laser_track)
+    get_simulation_state: Final = taken_over(NewerFunctions.get_simulation_state)
+    clear_error_message: Final = taken_over(NewerFunctions.clear_error_message)
 
 
 class AsyncRpc(_TakenOver):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco._wire import newer
 from aioduco._wire.rpc import calls
 from aioduco.api.section import Section, checked_task_id
 from aioduco.models import ranges
@@ -120,7 +119,7 @@ class Compound(Section):
 
         Not in manual 3.8; manual 4.3 describes it.
         """
-        answer = await self._rpc.send(newer.ENABLE_LASER_TRACK)
+        answer = await self._rpc.enable_laser_track()
         return checked_task_id("enable_laser_track", answer)
 
     async def disable_laser_track(self) -> None:
@@ -132,7 +131,7 @@ class Compound(Section):
 
         Not in manual 3.8; manual 4.3 describes it.
         """
-        await self._accept(newer.DISABLE_LASER_TRACK)
+        await self._accept(calls.disable_laser_track())
 
     async def reset_laser_track(self) -> None:
         """Forget the offsets that the laser sensor found.
@@ -143,7 +142,7 @@ class Compound(Section):
 
         Not in manual 3.8; manual 4.3 describes it.
         """
-        await self._accept(newer.RESET_LASER_TRACK)
+        await self._accept(calls.reset_laser_track())
 
 
 def _ops(ops: Sequence[Op]) -> list[rpc.Op]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco._wire import newer
 from aioduco._wire.rpc import calls
 from aioduco.api.section import Section
 from aioduco.models import ranges
@@ -147,4 +146,4 @@ class Frames(Section):
 
         Not in manual 3.8; manual 4.3 describes it.
         """
-        return pose(await self._rpc.send(newer.GET_BASE))
+        return pose(await self._rpc.get_base())

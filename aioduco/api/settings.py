@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco._wire import newer
 from aioduco._wire.rpc import calls
 from aioduco.api.section import Section
 from aioduco.models import ranges
@@ -127,7 +126,7 @@ class Settings(Section):
 
         Not in manual 3.8; manual 4.3 describes it.
         """
-        return await self._rpc.send(newer.GET_SIMULATION_STATE)
+        return await self._rpc.get_simulation_state()
 
     async def get_home_pose(self) -> Joints:
         """Read the joints of the home position (原点) [rad].
@@ -137,7 +136,7 @@ class Settings(Section):
 
         Not in manual 3.8; manual 4.3 describes it.
         """
-        return joints(await self._rpc.send(newer.GET_HOME_POSE))
+        return joints(await self._rpc.get_home_pose())
 
     async def get_installation(self) -> tuple[float, ...]:
         """Read the angles at which the arm is mounted (安装角度).
@@ -150,7 +149,7 @@ class Settings(Section):
 
         Not in manual 3.8; manual 4.3 describes it.
         """
-        return tuple(await self._rpc.send(newer.GET_INSTALLATION))
+        return tuple(await self._rpc.get_installation())
 
     async def set_teach_pendant(self, enable: bool) -> None:
         """Turn the keys of the pendant on or off (示教器的物理按键).

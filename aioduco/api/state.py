@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco._wire import newer
 from aioduco._wire.rpc import calls
 from aioduco.api.section import Section
 from aioduco.models import ranges
@@ -62,7 +61,7 @@ class State(Section):
 
         Not in manual 3.8; manual 4.3 describes it.
         """
-        await self._rpc.send(newer.CLEAR_ERROR_MESSAGE)
+        await self._rpc.clear_error_message()
 
     async def get_noneblock_taskstate(self, task_id: int) -> TaskState:
         """Read the state of a task by its id (任务状态).
@@ -152,7 +151,7 @@ class State(Section):
         Not in manual 3.8, nor described in manual 4.3: the vendor's newest headers have it. That
         the pose is in the base frame, as `get_tcp_pose` has it, is an assumption.
         """
-        return pose(await self._rpc.send(newer.GET_TCP_POSE_COMMAND))
+        return pose(await self._rpc.get_tcp_pose_command())
 
     async def get_tcp_speed_command(self) -> Vector:
         """Read the commanded speed of the tool (末端指令速度) [m/s, rad/s].
@@ -163,7 +162,7 @@ class State(Section):
         Not in manual 3.8, nor described in manual 4.3: the vendor's newest headers have it. That
         the speed is in the base frame, as `get_tcp_speed` has it, is an assumption.
         """
-        return vector(await self._rpc.send(newer.GET_TCP_SPEED_COMMAND))
+        return vector(await self._rpc.get_tcp_speed_command())
 
     async def get_tcp_force(self) -> Vector:
         """Read force and torque at the tool (末端力) [N, N·m]; needs a force sensor.

@@ -50,7 +50,7 @@ from aioduco._wire.rpc import (
 from aioduco.compat._arguments import wire_arguments
 from aioduco.compat._foreign import ENUMS, as_thrift
 from aioduco.compat._generated import KEYWORDS, ManualFunctions
-from aioduco.compat._newer import MoveJogTaskParam, NewerFunctions
+from aioduco.compat._newer import MoveJogTaskParam
 from aioduco.errors import ConnectError, ConnectionLost, DucoError, ParameterError
 
 if TYPE_CHECKING:
@@ -128,7 +128,7 @@ def _take_other_names(kind: type[ManualFunctions]) -> None:
             setattr(kind, name, _by_any_name(function, others))
 
 
-class DucoCobot(Uncopied, NewerFunctions):
+class DucoCobot(Uncopied, ManualFunctions):
     """A connection to a controller, with a method for each function of the manual.
 
     Each object is one connection, which carries one call at a time (manual 1.5.1). Any thread may

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from aioduco._wire.rpc import Functions
+from aioduco._wire.rpc import Functions, NewerFunctions
 from aioduco.compat._arguments import no_fixed_radius
 
 if TYPE_CHECKING:
@@ -71,7 +71,7 @@ KEYWORDS: Final[dict[str, dict[str, str]]] = {
 }
 
 
-class ManualFunctions(Functions):
+class ManualFunctions(NewerFunctions):
     """Every function of the wire, under its name there and under the manual's."""
 
     def rpc_heartbeat(self, time: int = 1000) -> None:

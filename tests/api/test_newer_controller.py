@@ -189,7 +189,7 @@ async def test_functions_without_arguments(desk: Desk) -> None:
         assert await robot.compound.enable_laser_track() == 1001
         await robot.compound.disable_laser_track()
         await robot.compound.reset_laser_track()
-    for name in idl.NEWER:
+    for name in idl.functions().newer:
         (call,) = desk.received(name)
         assert call.args == ()
 

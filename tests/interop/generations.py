@@ -34,6 +34,8 @@ _NEWER = (
     ("list<double> epose", "list<list<double>> epose"),
     ("double eaxis_v", "list<double> eaxis_v"),
 )
+#: the end of the present service, and the beginning of that which extends it
+_TWO_SERVICES = re.compile(r"\}\n\n/\*\*[^{]*service RPCRobotNewer extends RPCRobot \{\n")
 
 
 def package(generation: str) -> str:
@@ -50,8 +52,7 @@ def text(generation: str) -> str:
         for old, new in _NEWER:
             assert old in present, old
             present = present.replace(old, new)
-        added = "".join(f"  {returned} {name}()\n" for name, returned in idl.NEWER.items())
-        present = present.rstrip().removesuffix("}") + added + "}\n"
+        present = _TWO_SERVICES.sub("", present)
     return present.replace("namespace py duco", "")
 
 

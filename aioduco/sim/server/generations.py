@@ -98,7 +98,7 @@ class Wire:
 
     def has(self, name: str) -> bool:
         """Whether the controller has a function; of those of manual 4.3, its handlers decide."""
-        return name in idl.NEWER or (name in idl.functions() and name not in self._lacks)
+        return name in idl.names() and name not in self._lacks
 
     def _made(self, name: str) -> Served:
         function = idl.functions()[name]
