@@ -205,12 +205,11 @@ class ReplyReader:
         body = bytes(data[self._start : self.length])
         if self.failed:
             raise _application_error(function, body)
-        if self._scanner is not None and self._result is function.result:
-            read = function.layouts.store(body)
-            if read is not None:
-                return read(body, 0)
         if function.void:
             return None
+        results = (self._result, function.newer or self._result)
+        if (read := function.layouts.store(body, *results)) is not None:
+            return read(body, 0)
         result = self._result()
         if function.newer is not None:
             extended = function.newer()

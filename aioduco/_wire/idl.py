@@ -94,7 +94,7 @@ class Function:
         self.head: bytes = struct.pack("!i", len(name)) + name.encode()
         self.texts: bool = _has_text(self.result.thrift_spec)
         self.listed: Function | None = None
-        self.layouts: Layouts = Layouts(self.result.thrift_spec)
+        self.layouts: Layouts = Layouts()
         #: for each parameter, a factory for the value that a missing field has
         self.zeros: tuple[Any, ...] = tuple(map(zero, entries))
 

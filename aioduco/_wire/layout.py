@@ -1,9 +1,9 @@
-"""Known layouts of replies, which need not be measured or read field by field.
+"""Known layouts of replies of numbers, which need not be measured or read field by field.
 
 Most replies to a function differ only in their values. The bytes between the values (types, field
-ids, counts and lengths) are always the same. `Layouts` stores them from a reply that `framing` has
-measured. A reply of the same length, with the same bytes in the same places, has the same layout.
-If all its values are numbers, one format of `struct` reads them at once.
+ids and counts) are always the same. `Layouts` stores them from a reply that `framing` has measured.
+A reply of the same length, with the same bytes in the same places, has the same layout: one format
+of `struct` reads all its numbers at once.
 """
 
 from __future__ import annotations
@@ -22,31 +22,26 @@ if TYPE_CHECKING:
 #: maximum length of a reply whose layout is stored; a status has 1 kB
 _LONGEST: Final = 4096
 
-#: maximum number of layouts per function: lists and texts of varying length are not worth storing
+#: maximum number of layouts per function: lists of varying length are not worth storing
 _MOST: Final = 4
 
 _I32 = struct.Struct("!i").unpack_from
 
 #: function that reads the value of a reply from all its bytes and the index where its struct begins
 Reader: TypeAlias = "Callable[[bytes | bytearray, int], Any]"
+#: a layout: 1 where the bytes belong to no value, the content of these bits, what reads the values
+_Layout: TypeAlias = "tuple[int, int, Reader]"
 
 
 class Layouts:
-    """The layouts of the replies to one function, by length.
+    """The layouts of the replies to one function, by length."""
 
-    Args:
-        spec: thriftpy2's spec of the result struct.
-    """
+    __slots__ = ("_kept",)
 
-    __slots__ = ("_kept", "_spec")
+    def __init__(self) -> None:
+        self._kept: dict[int, _Layout] = {}
 
-    def __init__(self, spec: Mapping[int, Any]) -> None:
-        self._spec = spec
-        #: by length: 1 where the bytes of the struct belong to no value, the content of these bits,
-        #: and what reads the value; None if there is anything but numbers, or not every field
-        self._kept: dict[int, tuple[int, int, Reader | None]] = {}
-
-    def find(self, structs: bytes | bytearray) -> tuple[Reader | None, int] | None:
+    def find(self, structs: bytes | bytearray) -> tuple[Reader, int] | None:
         """Return the reader and the length of the first of these structs, if its layout is stored.
 
         The bytes that belong to no value determine where a struct ends, so only one length can fit.
@@ -56,27 +51,25 @@ class Layouts:
                 return read, size
         return None
 
-    def store(self, struct: bytes | bytearray) -> Reader | None:
+    def store(self, data: bytes | bytearray, *results: Any) -> Reader | None:
         """Store the layout of a struct that was measured: it is complete and fits the IDL.
 
         Without memory it is not stored: a layout saves time, and an answer must not be lost for it.
 
-        Returns:
-            The function that reads it, if it was stored, and contains nothing but numbers.
-        """
-        if len(struct) <= _LONGEST and len(struct) not in self._kept and len(self._kept) < _MOST:
-            with contextlib.suppress(MemoryError):
-                self._kept[len(struct)] = layout = self._layout(struct)
-                return layout[2]
-        return None
+        Args:
+            data: the struct.
+            results: classes of the result struct, of which the first that has these fields is read.
 
-    def _layout(self, struct: bytes | bytearray) -> tuple[int, int, Reader | None]:
-        size = len(struct)
-        mask = bytearray(b"\xff" * size)
-        _clear_values(struct, 0, mask)
-        number = int.from_bytes(mask, "big")
-        fixed_bits = int.from_bytes(struct, "big") & number
-        return number, fixed_bits, _reader(self._spec, struct)
+        Returns:
+            The function that reads it; None if it has anything but numbers, or was not stored.
+        """
+        if len(data) <= _LONGEST and len(data) not in self._kept and len(self._kept) < _MOST:
+            with contextlib.suppress(MemoryError):
+                for result in results:
+                    if (layout := _layout(result.thrift_spec, data)) is not None:
+                        self._kept[len(data)] = layout
+                        return layout[2]
+        return None
 
 
 def packer(spec: Mapping[int, Any]) -> Callable[[tuple[Any, ...]], bytes] | None:
@@ -100,12 +93,12 @@ def packer(spec: Mapping[int, Any]) -> Callable[[tuple[Any, ...]], bytes] | None
     return packed
 
 
-def _reader(spec: Mapping[int, Any], data: bytes | bytearray) -> Reader | None:
-    """Make the function that reads the value of results with the layout of this one."""
+def _layout(spec: Mapping[int, Any], data: bytes | bytearray) -> _Layout | None:
+    """The layout of a result; None if it has anything but numbers, or not every field."""
     if list(spec) != [0] or data[:3] != bytes((spec[0][0], 0, 0)):
         return None
     kind: int = spec[0][0]
-    formats: list[str] = []
+    formats = ["3x"]
     build: Callable[[tuple[Any, ...]], Any]
     if kind == TType.STRUCT:
         shape = spec[0][2]
@@ -119,8 +112,13 @@ def _reader(spec: Mapping[int, Any], data: bytes | bytearray) -> Reader | None:
         if place is None:
             return None
         build = itemgetter(0) if isinstance(place[0], int) else list
-    unpack = struct.Struct("!3x" + "".join(formats)).unpack_from
-    return lambda reply, start: build(unpack(reply, start))
+    unpack = struct.Struct("!" + "".join(formats)).unpack_from
+    # what is skipped belongs to no value; neither do the ends of the structs behind the last one
+    skipped = [(each[-1] == "x", struct.calcsize(f"!{each}")) for each in formats]
+    bits = b"".join((b"\xff" if skip else b"\0") * size for skip, size in skipped)
+    mask = int.from_bytes(bits.ljust(len(data), b"\xff"))
+    fixed_bits = int.from_bytes(data) & mask
+    return mask, fixed_bits, lambda reply, start: build(unpack(reply, start))
 
 
 #: index of a value among the numbers that were read, or the slice of a list
@@ -155,7 +153,7 @@ def _place(
     if kind != TType.LIST or data[at] not in FORMATS:
         return None
     size = _I32(data, at + 1)[0]
-    formats.append(f"5x{size}{FORMATS[data[at]]}")
+    formats += ["5x", f"{size}{FORMATS[data[at]]}"]
     end = at + 5 + size * FIXED_WIDTHS[data[at]]
     return slice(count, count + size), end, count + size
 
@@ -175,36 +173,3 @@ def _builder(shape: Any, places: list[_Where]) -> Callable[[tuple[Any, ...]], An
         )
 
     return build
-
-
-def _clear_values(data: bytes | bytearray, at: int, mask: bytearray) -> int:
-    """Clear the values of a struct in the mask; return where the struct ends."""
-    while (kind := data[at]) != TType.STOP:
-        at = _clear_value(kind, data, at + 3, mask)
-    return at + 1
-
-
-def _clear_value(kind: int, data: bytes | bytearray, at: int, mask: bytearray) -> int:
-    """Clear a value in the mask, but not its counts, lengths and types; return where it ends."""
-    width = FIXED_WIDTHS.get(kind)
-    if width is not None:
-        return _clear(mask, at, width)
-    if kind == TType.STRING:
-        return _clear(mask, at + 4, _I32(data, at)[0])
-    if kind == TType.STRUCT:
-        return _clear_values(data, at, mask)
-    kinds = (data[at], data[at + 1]) if kind == TType.MAP else (data[at],)
-    at += len(kinds)
-    count = _I32(data, at)[0]
-    at += 4
-    if len(kinds) == 1 and (width := FIXED_WIDTHS.get(kinds[0])) is not None:
-        return _clear(mask, at, count * width)
-    for _ in range(count):
-        for each in kinds:
-            at = _clear_value(each, data, at, mask)
-    return at
-
-
-def _clear(mask: bytearray, at: int, size: int) -> int:
-    mask[at : at + size] = bytes(size)
-    return at + size

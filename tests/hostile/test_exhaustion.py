@@ -145,7 +145,7 @@ def no_memory_to_make_anything(monkeypatch: pytest.MonkeyPatch) -> Iterator[None
     """From here on nothing is compiled, and no module is loaded; what was made works as ever."""
     with monkeypatch.context() as patch:
         patch.setattr(idl.Function, "__init__", unless_served(idl.Function.__init__))
-        patch.setattr(layout, "_reader", unless_served(layout._reader))
+        patch.setattr(layout, "_layout", unless_served(layout._layout))
         patch.setattr(logging, "LogRecord", unless_served(logging.LogRecord))
         patch.setattr(builtins, "exec", unless_served(exec))
         patch.setattr(builtins, "eval", unless_served(eval))

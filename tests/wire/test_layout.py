@@ -14,7 +14,7 @@ from thriftpy2.protocol import TCyBinaryProtocol
 from thriftpy2.thrift import TType
 from thriftpy2.transport import TCyMemoryBuffer
 
-from aioduco._wire import codec, idl, rpc
+from aioduco._wire import codec, idl, newer, rpc
 from aioduco._wire.framing import Malformed, StructScanner
 from aioduco._wire.layout import Layouts
 from aioduco._wire.messages import Message, MessageType
@@ -29,11 +29,17 @@ _protocol: Any = TCyBinaryProtocol
 
 #: a list of lists or of structs, or a map
 _NESTED = re.compile(r"\(15, 'success', \(|\(13, 'success'")
+#: what controllers of manual 4.3 add to a status
+ADDED = [
+    name for name in newer.RobotStatus.__match_args__ if name not in rpc.RobotStatus.__match_args__
+]
 _EMPTY: dict[int, Any] = {TType.LIST: [], TType.MAP: {}, TType.STRING: ""}
 
 
-def layouts_of(function: idl.Function) -> Layouts:
-    return Layouts(function.result.thrift_spec)
+def stored(function: idl.Function, data: bytes) -> Layouts:
+    layouts = Layouts()
+    layouts.store(data, function.result)
+    return layouts
 
 
 def body(call: Message, value: Any) -> bytes:
@@ -57,25 +63,24 @@ def test_what_is_known_would_be_measured_as_whole(
     call, value = answer
     function = FUNCTIONS[call.name]
     kept = body(call, value)
-    layouts = layouts_of(function)
-    assert layouts.find(kept) is None
-    layouts.store(kept)
-    assert layouts.find(kept) is not None
+    assert Layouts().find(kept) is None
+    layouts = stored(function, kept)
+    found = layouts.find(kept)
+    event("of numbers" if found else "not of numbers alone")
+    if found is None:
+        return
     for _ in range(20):
         damaged = bytearray(kept)
         damaged[data.draw(st.integers(0, len(kept) - 1))] = data.draw(st.integers(0, 255))
         assert layouts.find(damaged) is None or measured(function, bytes(damaged))
-    found = layouts.find(kept)
     assert found == layouts.find(kept + b"\0")  # whatever follows it
-    assert found is not None
     assert found[1] == len(kept)
     assert layouts.find(kept[:-1]) is None
 
 
 def test_every_byte_that_is_no_value_decides() -> None:
     kept = body(call_of("getRobotStatus"), status(random.Random(1)))
-    layouts = layouts_of(STATUS)
-    layouts.store(kept)
+    layouts = stored(STATUS, kept)
     decide = 0
     for at, byte in enumerate(kept):
         damaged = bytearray(kept)
@@ -92,7 +97,7 @@ def test_values_are_those_that_were_sent(
     pytestconfig: pytest.Config, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """In the thorough run two million numbers, of any bits that a double may have."""
-    monkeypatch.setattr(STATUS, "layouts", layouts_of(STATUS))  # no other test has filled it
+    monkeypatch.setattr(STATUS, "layouts", Layouts())  # no other test has filled it
     seeded = random.Random(2)
     call = call_of("getRobotStatus")
     for _ in range(20_000 if pytestconfig.getoption("thorough") else 200):
@@ -103,9 +108,7 @@ def test_values_are_those_that_were_sent(
         assert reader.length == len(data)
         # by their bits, for some are not a number
         assert body(call, reader.value(data)) == body(call, sent)
-    layout = STATUS.layouts.find(body(call, status(seeded)))
-    assert layout is not None
-    assert layout[0] is not None
+    assert STATUS.layouts.find(body(call, status(seeded))) is not None
 
 
 @given(answers())
@@ -113,12 +116,9 @@ def test_values_are_those_that_thriftpy2_reads(answer: tuple[Message, Any]) -> N
     call, value = answer
     function = FUNCTIONS[call.name]
     kept = body(call, value)
-    layouts = layouts_of(function)
-    layouts.store(kept)
-    layout = layouts.find(kept)
-    assert layout is not None
-    event("by one format" if layout[0] else "field by field")
-    if layout[0] is not None:
+    layout = stored(function, kept).find(kept)
+    event("by one format" if layout else "field by field")
+    if layout is not None:
         theirs = function.result()
         _protocol(TCyMemoryBuffer(kept)).read_struct(theirs)
         ours = layout[0](b"before" + kept, len(b"before"))
@@ -136,11 +136,7 @@ def test_nearly_all_functions_are_read_at_once() -> None:
             result.success = shape[0]() if kind == TType.STRUCT else _EMPTY.get(kind, 0)
         buffer: Any = TCyMemoryBuffer()
         _protocol(buffer).write_struct(result)
-        layouts = layouts_of(function)
-        layouts.store(buffer.getvalue())
-        layout = layouts.find(buffer.getvalue())
-        assert layout is not None
-        if layout[0] is None:
+        if stored(function, buffer.getvalue()).find(buffer.getvalue()) is None:
             left.add(name)
     others = {
         name
@@ -153,12 +149,32 @@ def test_nearly_all_functions_are_read_at_once() -> None:
 
 @pytest.mark.parametrize(("length", "most"), [(5000, 0), (100, 4)])
 def test_layouts_are_few_and_short(length: int, most: int) -> None:
-    layouts = layouts_of(FUNCTIONS["read_raw_data_485"])
-    call = call_of("read_raw_data_485")
+    layouts, function = Layouts(), FUNCTIONS["read_raw_data_485"]
+    call = call_of(function.name)
     bodies = [body(call, [0] * (length + n)) for n in range(20)]
     for each in bodies:
-        layouts.store(each)
+        layouts.store(each, function.result)
     assert sum(layouts.find(each) is not None for each in bodies) == most
+
+
+def test_a_newer_status_is_read_at_once_and_keeps_what_is_added(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(STATUS, "layouts", Layouts())
+    call, seeded = call_of("getRobotStatus"), random.Random(3)
+    present = {name: getattr(status(seeded), name) for name in rpc.RobotStatus.__match_args__}
+    sent = STATUS.newer.thrift_spec[0][2](**present, **dict.fromkeys(ADDED, [0.5] * 6))
+    data = Message(MessageType.REPLY, call.name, call.seqid, _encoded(sent)).encode()
+    seen = []
+    for _ in range(2):
+        reader = codec.ReplyReader(STATUS, call.seqid)
+        assert reader.whole(data)
+        seen.append(reader.value(data))
+    assert STATUS.layouts.find(data[8 + len(STATUS.head) :]) is not None
+    for each in seen:
+        assert isinstance(each, newer.RobotStatus)
+        assert repr(each) == repr(seen[0])
+        assert each.jointExtraTorque == [0.5] * 6
 
 
 def call_of(name: str) -> Message:
@@ -181,3 +197,13 @@ def status(seeded: random.Random) -> rpc.RobotStatus:
         robotState=seeded.randrange(-128, 128),
         robotError=seeded.randrange(-(2**31), 2**31),
     )
+
+
+def _encoded(sent: newer.RobotStatus) -> bytes:
+    """The result struct with a status of manual 4.3."""
+    result = STATUS.newer()
+    result.success = sent
+    buffer: Any = TCyMemoryBuffer()
+    _protocol(buffer).write_struct(result)
+    encoded: bytes = buffer.getvalue()
+    return encoded
