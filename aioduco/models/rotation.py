@@ -11,6 +11,7 @@ import math
 from typing import TYPE_CHECKING, TypeAlias
 
 from aioduco.models.numpy_on_use import np
+from aioduco.models.quaternions import from_rpy, inverse, product
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -202,29 +203,8 @@ def turn_between(start: Sequence[float], end: Sequence[float]) -> float:
         The angle, 0 to π [rad].
     """
     # plain floats: for one pair, arrays take ten times as long
-    w1, x1, y1, z1 = quaternion_from_rpy(*start)
-    w2, x2, y2, z2 = quaternion_from_rpy(*end)
-    cosine = w1 * w2 + x1 * x2 + y1 * y2 + z1 * z2
-    x = w1 * x2 - x1 * w2 - y1 * z2 + z1 * y2
-    y = w1 * y2 - y1 * w2 - z1 * x2 + x1 * z2
-    z = w1 * z2 - z1 * w2 - x1 * y2 + y1 * x2
-    return 2.0 * math.atan2(math.sqrt(x * x + y * y + z * z), abs(cosine))
-
-
-def quaternion_from_rpy(rx: float, ry: float, rz: float) -> tuple[float, float, float, float]:
-    """Return the quaternion of one orientation, as plain floats: w, x, y, z.
-
-    Args:
-        rx, ry, rz: roll, pitch, yaw [rad].
-    """
-    cx, cy, cz = math.cos(0.5 * rx), math.cos(0.5 * ry), math.cos(0.5 * rz)
-    sx, sy, sz = math.sin(0.5 * rx), math.sin(0.5 * ry), math.sin(0.5 * rz)
-    return (
-        cx * cy * cz + sx * sy * sz,
-        sx * cy * cz - cx * sy * sz,
-        cx * sy * cz + sx * cy * sz,
-        cx * cy * sz - sx * sy * cz,
-    )
+    w, x, y, z = product(inverse(from_rpy(*start)), from_rpy(*end))
+    return 2.0 * math.atan2(math.hypot(x, y, z), abs(w))
 
 
 def crossing(vectors: Array) -> Array:

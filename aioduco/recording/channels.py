@@ -33,7 +33,7 @@ from foxglove.messages import (
 from aioduco._process import trial
 from aioduco._process.platform import private
 from aioduco.models.numpy_on_use import json_value
-from aioduco.models.rotation import quaternion_from_rpy
+from aioduco.models.quaternions import from_rpy
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -519,7 +519,7 @@ def _rounded(values: Iterable[float], digits: int = _ROUGH) -> list[float | None
 def _transform_numbers(pose: Pose) -> tuple[float, ...]:
     """Return position and quaternion, x first and w at least 0, rounded to their grids."""
     x, y, z, rx, ry, rz = pose
-    w, *axis = quaternion_from_rpy(rx, ry, rz)
+    w, *axis = from_rpy(rx, ry, rz)
     sign = QUATERNION if w >= 0.0 else -QUATERNION
     return (
         *(round(value * LENGTH) / LENGTH for value in (x, y, z)),

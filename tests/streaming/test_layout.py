@@ -73,6 +73,7 @@ USED = {
     *("aioduco.models.address", "aioduco.models.similar"),  # what a host may be called
     *("aioduco.models.enums", "aioduco.models.named_int"),  # numbers of the wire by name
     "aioduco.models.host_port",  # for errors
+    "aioduco.models.quaternions",  # for poses
     "aioduco.models.trace",
     "aioduco.streaming",
     "aioduco.supervision",

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from enum import IntEnum
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from aioduco import ProgramState, RobotState, SafetyState
-from aioduco.models.rotation import quaternion_from_rpy
+from aioduco.models.quaternions import from_rpy, inverse, product, rotated
 
 if TYPE_CHECKING:
     from aioduco import Load, Pose, RobotStatus, Snapshot
@@ -90,44 +90,15 @@ def placed_frames(status: RobotStatus, tcp_offset: Pose | None, prefix: str) -> 
         prefix: prefix of the frames' names.
     """
     # Plain numbers, because arrays would take most of the time of a joint state.
-    tip, turn = status.pose, _quaternion(status.pose)
-    frames = [PlacedFrame(prefix + "tcp_controller", [tip.x, tip.y, tip.z], [*turn])]
+    x, y, z, *angles = status.pose
+    w, *axis = turn = from_rpy(*angles)
+    frames = [PlacedFrame(prefix + "tcp_controller", [x, y, z], [*axis, w])]
     if tcp_offset is not None:
-        x, y, z, w = _quaternion(tcp_offset)
-        flange = _product(turn, (-x, -y, -z, w))
-        dx, dy, dz = _turned(flange, (tcp_offset.x, tcp_offset.y, tcp_offset.z))
-        place = [tip.x - dx, tip.y - dy, tip.z - dz]
-        frames.append(PlacedFrame(prefix + "flange_controller", place, [*flange]))
+        w, *axis = flange = product(turn, inverse(from_rpy(*tcp_offset[3:])))
+        dx, dy, dz = rotated(flange, tcp_offset[:3])
+        place = [x - dx, y - dy, z - dz]
+        frames.append(PlacedFrame(prefix + "flange_controller", place, [*axis, w]))
     return frames
-
-
-_Quaternion: TypeAlias = "tuple[float, float, float, float]"  # x, y, z, w
-_Vector: TypeAlias = "tuple[float, float, float]"
-
-
-def _quaternion(pose: Pose) -> _Quaternion:
-    """The orientation of a pose as a quaternion of ROS."""
-    w, x, y, z = quaternion_from_rpy(pose.rx, pose.ry, pose.rz)
-    return x, y, z, w
-
-
-def _product(one: _Quaternion, other: _Quaternion) -> _Quaternion:
-    """The rotation by `other`, followed by the rotation `one`."""
-    ax, ay, az, aw = one
-    bx, by, bz, bw = other
-    return (
-        aw * bx + ax * bw + ay * bz - az * by,
-        aw * by - ax * bz + ay * bw + az * bx,
-        aw * bz + ax * by - ay * bx + az * bw,
-        aw * bw - ax * bx - ay * by - az * bz,
-    )
-
-
-def _turned(by: _Quaternion, vector: _Vector) -> _Vector:
-    """The vector, rotated by a quaternion."""
-    x, y, z, w = by
-    turned = _product(_product(by, (*vector, 0.0)), (-x, -y, -z, w))
-    return turned[:3]
 
 
 def diagnosis(

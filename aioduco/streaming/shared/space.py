@@ -8,8 +8,18 @@ Plain Python: for six numbers it is faster than numpy.
 
 from __future__ import annotations
 
-from math import atan2, copysign, cos, hypot, pi, sin, sqrt
+from math import sqrt
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+
+from aioduco.models.quaternions import (
+    from_rotvec,
+    from_rpy,
+    inverse,
+    product,
+    rotated,
+    rotvec,
+    rpy,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -19,9 +29,6 @@ if TYPE_CHECKING:
 Config = tuple[float, ...]
 #: the displacement from one point to another: six numbers [rad], or [m, m, m, rad, rad, rad]
 Displacement = tuple[float, ...]
-
-Quaternion = tuple[float, float, float, float]
-
 
 #: default jerk limit, per acceleration limit: full acceleration after 0.1 s [1/s]
 JERK = 10.0
@@ -79,42 +86,41 @@ class PoseSpace:
     def decode(self, values: Sequence[float]) -> Config:
         """The point for six numbers of the wire."""
         x, y, z, rx, ry, rz = values
-        return (x, y, z, *_quaternion(rx, ry, rz))
+        return (x, y, z, *from_rpy(rx, ry, rz))
 
     def encode(self, config: Config) -> tuple[float, ...]:
         """The six numbers of the wire for a point."""
         x, y, z, *quaternion = config
-        return (x, y, z, *_angles(*quaternion))
+        return (x, y, z, *rpy(*quaternion))
 
     def difference(self, start: Config, end: Config) -> Displacement:
         """The displacement from `start` to `end`; the rotation is the shorter one."""
         if start == end:
             # exactly zero, so that a stream can detect that it is at rest
             return (0.0,) * 6
-        x, y, z, qw, qx, qy, qz = start
-        u, v, w, *quaternion = end
-        turn = _product(quaternion, (qw, -qx, -qy, -qz))
-        return (u - x, v - y, w - z, *_rotation_vector(turn))
+        x, y, z, *turn = start
+        u, v, w, *further = end
+        return (u - x, v - y, w - z, *rotvec(product(further, inverse(turn))))
 
     def moved(self, start: Config, displacement: Displacement) -> Config:
         """The point that a displacement leads to from `start`."""
         x, y, z, *quaternion = start
         u, v, w, *rotation = displacement
-        return (x + u, y + v, z + w, *_product(_exponential(rotation), quaternion))
+        return (x + u, y + v, z + w, *product(from_rotvec(rotation), quaternion))
 
     def composed(self, pose: Config, offset: Config) -> Config:
         """The pose that an offset leads to; the offset is in the frame of `pose`."""
         x, y, z, *turn = pose
         ox, oy, oz, *further = offset
         u, v, w = rotated(turn, (ox, oy, oz))
-        return (x + u, y + v, z + w, *_product(turn, further))
+        return (x + u, y + v, z + w, *product(turn, further))
 
     def offset(self, start: Config, end: Config) -> Config:
         """The offset from `start` to `end`, in the frame of `start`."""
-        x, y, z, qw, qx, qy, qz = start
-        u, v, w, *turn = end
-        back = (qw, -qx, -qy, -qz)
-        return (*rotated(back, (u - x, v - y, w - z)), *_product(back, turn))
+        x, y, z, *turn = start
+        u, v, w, *further = end
+        back = inverse(turn)
+        return (*rotated(back, (u - x, v - y, w - z)), *product(back, further))
 
     def in_axes(self, offset: Config, turn: Config) -> Config:
         """Convert an offset from the axes of a frame to those of a tool that is turned in it."""
@@ -143,67 +149,3 @@ def too_far(space: Space, start: Config, end: Config, limits: Sequence[float]) -
         if not length <= most:
             return f"{name}: {length:.4g} {unit} away, where {most:.4g} {unit} are allowed"
     return ""
-
-
-def _quaternion(rx: float, ry: float, rz: float) -> Quaternion:
-    """The unit quaternion of Rz(rz)·Ry(ry)·Rx(rx)."""
-    cx, sx = cos(rx / 2), sin(rx / 2)
-    cy, sy = cos(ry / 2), sin(ry / 2)
-    cz, sz = cos(rz / 2), sin(rz / 2)
-    return (
-        cz * cy * cx + sz * sy * sx,
-        cz * cy * sx - sz * sy * cx,
-        cz * sy * cx + sz * cy * sx,
-        sz * cy * cx - cz * sy * sx,
-    )
-
-
-def _angles(w: float, x: float, y: float, z: float) -> tuple[float, float, float]:
-    """Roll, pitch and yaw of a unit quaternion; at a pitch of ±90° roll is set to zero."""
-    # Columns of the rotation matrix: hypot keeps the pitch exact near ±90°; asin would not.
-    r00, r10, r20 = 1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)
-    level = hypot(r00, r10)
-    pitch = atan2(-r20, level)
-    if level < 1e-9:
-        return 0.0, copysign(pi / 2, pitch), atan2(-2 * (x * y - w * z), 1 - 2 * (x * x + z * z))
-    roll = atan2(2 * (y * z + w * x), 1 - 2 * (x * x + y * y))
-    return roll, pitch, atan2(r10, r00)
-
-
-def rotated(q: Sequence[float], vector: Sequence[float]) -> tuple[float, float, float]:
-    """A vector, rotated by a unit quaternion."""
-    w, x, y, z = q
-    a, b, c = vector
-    # twice the cross product of the vector part and the vector; crossed once more below
-    u, v, t = 2 * (y * c - z * b), 2 * (z * a - x * c), 2 * (x * b - y * a)
-    return (
-        a + w * u + y * t - z * v,
-        b + w * v + z * u - x * t,
-        c + w * t + x * v - y * u,
-    )
-
-
-def _product(a: Sequence[float], b: Sequence[float]) -> Quaternion:
-    aw, ax, ay, az = a
-    bw, bx, by, bz = b
-    w = aw * bw - ax * bx - ay * by - az * bz
-    x = aw * bx + ax * bw + ay * bz - az * by
-    y = aw * by - ax * bz + ay * bw + az * bx
-    z = aw * bz + ax * by - ay * bx + az * bw
-    # Normalised each time: a stream multiplies a million quaternions.
-    norm = sqrt(w * w + x * x + y * y + z * z)
-    return w / norm, x / norm, y / norm, z / norm
-
-
-def _rotation_vector(q: Quaternion) -> tuple[float, float, float]:
-    w, x, y, z = q if q[0] >= 0 else (-q[0], -q[1], -q[2], -q[3])
-    length = sqrt(x * x + y * y + z * z)
-    factor = 2 * atan2(length, w) / length if length > 1e-12 else 2.0
-    return factor * x, factor * y, factor * z
-
-
-def _exponential(vector: Sequence[float]) -> Quaternion:
-    x, y, z = vector
-    angle = sqrt(x * x + y * y + z * z)
-    factor = sin(angle / 2) / angle if angle > 1e-12 else 0.5
-    return cos(angle / 2), factor * x, factor * y, factor * z

@@ -12,8 +12,9 @@ import time
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
 from aioduco.errors import ControllerError, ParameterError
+from aioduco.models.quaternions import inverse, rotated
 from aioduco.streaming.shared.config import FrameRotation
-from aioduco.streaming.shared.space import POSE_SPACE, Config, rotated
+from aioduco.streaming.shared.space import POSE_SPACE, Config
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -65,8 +66,7 @@ def turned(twist: Sequence[float], place: Config, *, back: bool) -> tuple[float,
         place: pose of one frame in the other.
         back: whether to apply the inverse rotation.
     """
-    _, _, _, w, x, y, z = place
-    turn = (w, -x, -y, -z) if back else (w, x, y, z)
+    turn = inverse(place[3:]) if back else place[3:]
     return (*rotated(turn, twist[:3]), *rotated(turn, twist[3:]))
 
 

@@ -12,7 +12,8 @@ import time
 from typing import TYPE_CHECKING
 
 from aioduco.envelope.checker import SLOW_SHARE, STOPPING, EnvelopeChecker
-from aioduco.streaming.shared.space import POSE_SPACE, Config, Space, rotated
+from aioduco.models.quaternions import rotated
+from aioduco.streaming.shared.space import POSE_SPACE, Config, Space
 from aioduco.streaming.worker.limiter import JerkLimiter, Limiter
 
 if TYPE_CHECKING:
