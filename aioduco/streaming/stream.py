@@ -10,7 +10,7 @@ import anyio.lowlevel
 
 from aioduco._process.copying import Uncopied
 from aioduco.errors import DucoError, ParameterError, SetPointTooFar
-from aioduco.models.rules import Number, VectorLike
+from aioduco.models.rules import Number, VectorLike, listed
 from aioduco.streaming.sampling import sampled
 from aioduco.streaming.session import Session
 from aioduco.streaming.shared.config import StreamSpec, WorkerConfig
@@ -238,8 +238,10 @@ class Stream(Uncopied):
                 raise ParameterError(
                     "at", at, f"a time of time.monotonic(), {now:.3f} now, within {_FARTHEST:g} s"
                 )
+        expected = f"1 to {MOST_ACTIONS} actions"
+        actions = listed("actions", actions, expected)
         if not 1 <= len(actions) <= MOST_ACTIONS:
-            raise ParameterError("actions", len(actions), f"1 to {MOST_ACTIONS} actions")
+            raise ParameterError("actions", len(actions), expected)
         checked: list[tuple[float, ...]] = []
         for index, action in enumerate(actions):
             values = tuple(self._check(f"actions[{index}]", action))

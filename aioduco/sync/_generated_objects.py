@@ -684,7 +684,8 @@ class OffsetStreamCalls(StreamCalls):
             times: not accepted: an offset is a distance without a time.
 
         Raises:
-            ParameterError: an offset is not allowed, or times were given.
+            ParameterError: an offset is not allowed, or times were given; nothing was sent.
+            SetPointTooFar: an offset is larger than the stream allows; nothing was sent.
             StreamError: the stream has ended; the error says why.
         """
         self._call(self._made.play(trajectory, times))

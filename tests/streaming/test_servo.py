@@ -600,6 +600,27 @@ async def test_each_offset_is_carried_out_once_within_the_limits(
     assert not np.any(steps[-1])
 
 
+@pytest.mark.parametrize(
+    "wrong", [[0.0, 0.0, "up", 0.0, 0.0, 0.0], [0.06, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0] * 5]
+)
+async def test_of_offsets_with_a_wrong_one_none_is_carried_out(
+    controller: Controller, wrong: Any
+) -> None:
+    """Its message says that nothing was sent."""
+    offset = [0.01, 0.0, 0.0, 0.0, 0.0, 0.0]
+    async with controller.servo.tcp_offset(v=1.0, a=5.0, options=THREAD) as stream:
+        await stream.play([offset])
+        sent = stream.taken
+        with pytest.raises(ParameterError, match=r"trajectory\[3\].*nothing was sent"):
+            await stream.play([offset] * 3 + [wrong])
+        with pytest.raises(ParameterError, match="trajectory is 5"):
+            await stream.play(5)
+        assert stream.taken == sent
+        await stream.play(np.array([offset]))  # the stream goes on
+    steps = np.array([call.args[0] for call in controller.server.received("servo_tcp")])
+    assert steps[:, 0].sum() == pytest.approx(0.02)
+
+
 async def test_leaving_waits_until_the_arm_stands(controller: Controller) -> None:
     looks = itertools.count()
     controller.server.answer("robotmoving", lambda: next(looks) < 5)
@@ -633,8 +654,10 @@ async def test_chunks_are_sent_counted_and_refused_when_they_are_wrong(
                 await stream.send_chunk([near(0.0), near(0.3)])
             with pytest.raises(ParameterError, match="monotonic"):
                 await stream.send_chunk([near(0.0)], at=now + 1e6)
-            with pytest.raises(ParameterError, match="1 to 1000"):
-                await stream.send_chunk([])
+            wrong: tuple[Any, ...] = ([], 5, None, "up")
+            for nothing in wrong:
+                with pytest.raises(ParameterError, match="1 to 1000"):
+                    await stream.send_chunk(nothing)
             with pytest.raises(ParameterError, match="chunks"):
                 await stream.play([near(0.0)] * 3)
             await stream.send_chunk([near(0.0)] * 5, at=now - 30)

@@ -8,6 +8,7 @@ from aioduco.api.streams import StreamMaker
 from aioduco.api.streams.arguments import ServoGains, motion_limits, per_group
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
+from aioduco.models.rules import listed
 from aioduco.streaming.shared.config import Drive, StreamSpec
 from aioduco.streaming.shared.options import Feeding, WorkerOptions
 from aioduco.streaming.shared.space import POSE_SPACE, Limits
@@ -25,14 +26,16 @@ _Pair = tuple[float, float]
 class OffsetStream(Stream):
     """A stream of offsets of the tool, each relative to the end of the one before."""
 
-    def _placed(self, values: tuple[float, ...]) -> tuple[float, ...]:
+    def _placed(
+        self, name: str, given: VectorLike, before: tuple[float, ...] | None
+    ) -> tuple[float, ...]:
         """Add an offset to the earlier ones, relative to the tool at the stream's start.
 
         The axes are those of the tool at that time, or those of the frame in which offsets are
         given.
         """
         space = POSE_SPACE
-        start, offset = space.decode(self._last or (0.0,) * 6), space.decode(values)
+        start, offset = space.decode(before or (0.0,) * 6), space.decode(self._check(name, given))
         if self._sent.turning is None:
             return space.encode(space.composed(start, offset))
         none = space.decode((0.0,) * 6)
@@ -49,7 +52,7 @@ class OffsetStream(Stream):
             SetPointTooFar: it is larger than the stream allows; nothing was sent.
             StreamError: the stream has ended; the error says why.
         """
-        await super().send(self._placed(tuple(self._check("point", point))))
+        await super().send(self._placed("point", point, self._last))
 
     async def play(self, trajectory: Any, times: Any = None) -> None:
         """Send a list of offsets, and wait until the worker has taken them.
@@ -59,14 +62,22 @@ class OffsetStream(Stream):
             times: not accepted: an offset is a distance without a time.
 
         Raises:
-            ParameterError: an offset is not allowed, or times were given.
+            ParameterError: an offset is not allowed, or times were given; nothing was sent.
+            SetPointTooFar: an offset is larger than the stream allows; nothing was sent.
             StreamError: the stream has ended; the error says why.
         """
         if times is not None:
             raise ParameterError("times", times, "left out: an offset says how far, not when")
+        points, before = [], self._last
+        for index, offset in enumerate(listed("trajectory", trajectory, "a list of offsets")):
+            name = f"trajectory[{index}]"
+            point = self._placed(name, offset, before)
+            self._check_step(point, before, name)
+            points.append(point)
+            before = point
         async with self._ended_by_interrupts():
-            for offset in trajectory:
-                await self.send(offset)
+            if points:
+                await self._feed(points, self._feeding.capacity)
             await self._taken()
 
 
