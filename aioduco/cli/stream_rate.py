@@ -158,7 +158,7 @@ async def _measure(
     endpoint: StreamEndpoint, options: WorkerOptions, seconds: float
 ) -> StreamStatistics:
     sent = StreamSpec(
-        name="probe", in_joints=True, limits=Limits((1.0,) * 6, (1.0,) * 6), drive=None
+        name="probe", in_joints=True, limits=Limits((1.0,) * 6, (1.0,) * 6), kind="probe"
     )
     stream = Stream(endpoint, Feeding(rate=RATES[0]), options, sent, ranges.JOINTS)
     async with stream:

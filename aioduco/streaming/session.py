@@ -212,7 +212,7 @@ class Session(OpenStream):
             text,
             self.statistics(),
             self.stopped_by,
-            reads=self._config.sent.drive is None,
+            reads=self._config.sent.kind == "probe",
         )
         if error is not None:
             raise error

@@ -11,7 +11,7 @@ from aioduco.models import ranges
 from aioduco.models.realtime import RealtimeMode
 from aioduco.models.rules import Choice, Integer, Real, VectorLike
 from aioduco.models.words import one_of
-from aioduco.streaming.shared.config import Drive, Meaning, StreamSpec
+from aioduco.streaming.shared.config import Meaning, StreamSpec
 from aioduco.streaming.shared.options import Feeding, WorkerOptions
 from aioduco.streaming.shared.turning import MotionFrame, into_wobj
 from aioduco.streaming.stream import Stream
@@ -135,14 +135,12 @@ class RealtimeStreams(StreamMaker):
             name=f"realtime {chosen.name.lower()}",
             in_joints=in_joints,
             limits=motion_limits(v, a, jerk, groups),
-            drive=Drive(
-                kind="queue",
-                function="start_realtime_mode",
-                arguments=arguments,
-                field=field,
-                high=depth,
-                period=period,
-            ),
+            kind="queue",
+            function="start_realtime_mode",
+            arguments=arguments,
+            field=field,
+            high=depth,
+            period=period,
             meaning=meaning,
             ending="end_realtime_mode",
             turning=None if frame is None else into_wobj(frame),

@@ -9,7 +9,7 @@ from aioduco.api.streams.arguments import ServoGains, motion_limits, per_group
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.rules import listed
-from aioduco.streaming.shared.config import Drive, StreamSpec
+from aioduco.streaming.shared.config import StreamSpec
 from aioduco.streaming.shared.options import Feeding, WorkerOptions
 from aioduco.streaming.shared.space import POSE_SPACE, Limits
 from aioduco.streaming.shared.turning import MotionFrame, into_tool
@@ -152,7 +152,7 @@ class Servo(StreamMaker):
             name="servoj",
             in_joints=True,
             limits=motion_limits(v_, a_, jerk, 6),
-            drive=_calls("servoj", [v_, a_], gains),
+            arguments=_arguments([v_, a_], gains),
         )
         return Stream(self._endpoint, fed, options, sent, ranges.JOINTS)
 
@@ -317,7 +317,7 @@ class Servo(StreamMaker):
             turning=into_tool(frame, wobj, tool_),
             in_joints=False,
             limits=_limits(velocity, acceleration, jerk),
-            drive=_calls("servo_tcp", [v_, a_, tool_], gains),
+            arguments=_arguments([v_, a_, tool_], gains),
             meaning="step",
             tool=tool_,
         )
@@ -325,13 +325,12 @@ class Servo(StreamMaker):
         return OffsetStream(self._endpoint, fed, options, sent, ranges.POSE)
 
 
-def _calls(function: str, motion: list[Any], gains: ServoGains | None) -> Drive:
-    """The calls of a servo stream: how it moves first, then `block`, and the gains."""
+def _arguments(motion: list[Any], gains: ServoGains | None) -> list[Any]:
+    """What stands behind each set-point: how it moves first, then `block`, and the gains."""
     gains = ServoGains() if gains is None else gains
     if not isinstance(gains, ServoGains):
         raise ParameterError("gains", gains, "ServoGains, or None")
-    arguments = [*motion, False, *gains.wire()]
-    return Drive(kind="call", function=function, arguments=arguments)
+    return [*motion, False, *gains.wire()]
 
 
 def _poses(
@@ -347,7 +346,7 @@ def _poses(
         name=function,
         in_joints=False,
         limits=limits,
-        drive=_calls(function, [*motion, tool_, wobj_], gains),
+        arguments=_arguments([*motion, tool_, wobj_], gains),
         tool=tool_,
         wobj=wobj_,
     )

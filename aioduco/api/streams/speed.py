@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from aioduco.api.streams import StreamMaker
 from aioduco.api.streams.arguments import per_group
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
-from aioduco.streaming.shared.config import Drive, StreamSpec
+from aioduco.streaming.shared.config import StreamSpec
 from aioduco.streaming.shared.options import Feeding, WorkerOptions
 from aioduco.streaming.shared.space import Limits
 from aioduco.streaming.shared.turning import MotionFrame, into_tool
@@ -69,7 +69,7 @@ class Speed(StreamMaker):
             name="speedj",
             in_joints=True,
             limits=Limits(per_group("v", v_, 6), per_group("a", a_, 6)),
-            drive=_calls("speedj", a_, dead_man, feeding),
+            arguments=_arguments(a_, dead_man, feeding),
             meaning="speed",
             leave=[["speed_stop", False]],
         )
@@ -127,16 +127,16 @@ class Speed(StreamMaker):
             turning=into_tool(frame, wobj),
             in_joints=False,
             limits=Limits((v_, turning), (a_, *per_group("turn_a", turn_a, 1))),
-            drive=_calls("speedl", a_, dead_man, feeding),
+            arguments=_arguments(a_, dead_man, feeding),
             meaning="speed",
             leave=[["speed_stop", False]],
         )
         return Stream(self._endpoint, feeding, options, sent, ranges.TWIST)
 
 
-def _calls(function: str, a: float, dead_man: float, feeding: Feeding) -> Drive:
+def _arguments(a: float, dead_man: float, feeding: Feeding) -> list[Any]:
+    """What stands behind the speed in each call: acceleration, dead-man time [ms], `block`."""
     seconds = ranges.DEAD_MAN("dead_man", dead_man)
     if seconds < 2 / feeding.rate:
         raise ParameterError("dead_man", dead_man, f"two calls, {2 / feeding.rate:g} s, or more")
-    milliseconds = ranges.RUN_TIME("dead_man", seconds)
-    return Drive(kind="call", function=function, arguments=[a, milliseconds, False])
+    return [a, ranges.RUN_TIME("dead_man", seconds), False]

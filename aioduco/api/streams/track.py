@@ -11,7 +11,7 @@ from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.rules import Integer, Real, VectorLike
 from aioduco.models.words import one_of
-from aioduco.streaming.shared.config import Drive, StreamSpec
+from aioduco.streaming.shared.config import StreamSpec
 from aioduco.streaming.shared.options import Feeding, WorkerOptions
 from aioduco.streaming.shared.space import Limits
 from aioduco.streaming.stream import Stream
@@ -180,7 +180,10 @@ class TrackStreams(StreamMaker):
             max_step=() if max_step is None else per_group("max_step", max_step, groups),
             reach=per_group("reach", near, groups),
         )
-        pool = Drive(
+        sent = StreamSpec(
+            name="track",
+            in_joints=joints,
+            limits=Limits((speed_,), (acc_,)),
             kind="pool",
             function="trackJointMotion" if joints else "trackCartMotion",
             arguments=arguments,
@@ -188,12 +191,6 @@ class TrackStreams(StreamMaker):
             high=high,
             period=ranges.TIMEOUT("period", period),
             extra=extra,
-        )
-        sent = StreamSpec(
-            name="track",
-            in_joints=joints,
-            limits=Limits((speed_,), (acc_,)),
-            drive=pool,
             ending=TRACK_POOL,
             tool=tool_,
             wobj=wobj_,

@@ -26,33 +26,6 @@ Meaning = Literal["place", "speed", "step"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Drive:
-    """How the worker sends set-points to the controller.
-
-    Attributes:
-        kind: "call" for one call per tick, of servo and speed streams; "queue" for the realtime
-            queue, which is kept full; "pool" for the track pool, kept between two marks.
-        function: the function of the wire that carries a set-point, or that starts the motion
-            through the queue or the pool.
-        arguments: its arguments; those after the set-point, if it carries one.
-        period: time between two polls of the queue or the pool [s]; 0: one call per tick.
-        low: the worker fills the pool when it has fewer points than this.
-        high: number of points to which the worker fills the queue or the pool.
-        field: field of a queue point that carries the set-point.
-        extra: bytes for the operation of a pool's point; 0: points have no operations.
-    """
-
-    kind: Literal["call", "queue", "pool"]
-    function: str
-    arguments: Sequence[Any]
-    period: float = 0.0
-    low: int = 0
-    high: int = 0
-    field: str = ""
-    extra: int = 0
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class FrameRotation:
     """How directions are rotated from the program's frame into the frame of the wire.
 
@@ -72,11 +45,19 @@ class StreamSpec:
     """What a stream sends, and how.
 
     Attributes:
-        name: name of the stream, usually its function of the wire.
+        name: name of the stream; of the kind "call" the function of the wire.
         in_joints: whether set-points are joints [rad]; else poses, twists or offsets [m, rad].
         limits: limits of each group, see `Limits`.
-        drive: how the worker sends set-points to the controller; None: it sends none, and only
-            reads the controller's state.
+        kind: "call" for one call per tick, of servo and speed streams; "queue" for the realtime
+            queue, which is kept full; "pool" for the track pool, kept between two marks; "probe"
+            to send no set-point, and only read the controller's state.
+        function: the function of the wire that starts the motion through the queue or the pool.
+        arguments: its arguments; of the kind "call" those after the set-point.
+        period: time between two polls of the queue or the pool [s]; 0: one call per tick.
+        low: the worker fills the pool when it has fewer points than this.
+        high: number of points to which the worker fills the queue or the pool.
+        field: field of a queue point that carries the set-point.
+        extra: bytes for the operation of a pool's point; 0: points have no operations.
         meaning: what a set-point is.
         tool: name of the tool whose poses, twists or offsets are sent; empty: the one in use.
         wobj: name of the work object of poses; empty: the one in use.
@@ -89,7 +70,14 @@ class StreamSpec:
     name: str
     in_joints: bool
     limits: Limits
-    drive: Drive | None
+    kind: Literal["call", "queue", "pool", "probe"] = "call"
+    function: str = ""
+    arguments: Sequence[Any] = ()
+    period: float = 0.0
+    low: int = 0
+    high: int = 0
+    field: str = ""
+    extra: int = 0
     meaning: Meaning = "place"
     tool: str = ""
     wobj: str = ""
@@ -108,11 +96,6 @@ class StreamSpec:
         if self.in_joints:
             return ("get_actual_joints_position",)
         return ("get_tcp_pose_coord", self.tool, self.wobj)
-
-    @property
-    def extra(self) -> int:
-        """Bytes for the operation of a set-point."""
-        return 0 if self.drive is None else self.drive.extra
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -144,8 +127,7 @@ class WorkerConfig:
     @property
     def period(self) -> float:
         """Time between two ticks of the worker [s]."""
-        drive = self.sent.drive
-        return 1 / self.feeding.rate if drive is None or not drive.period else drive.period
+        return self.sent.period or 1 / self.feeding.rate
 
     @property
     def extra(self) -> int:
@@ -162,7 +144,6 @@ class WorkerConfig:
         values = json.loads(text)
         sent = values.pop("sent")
         sent["limits"] = Limits(*map(tuple, sent["limits"]))
-        sent["drive"] = Drive(**sent["drive"]) if sent["drive"] else None
         sent["turning"] = FrameRotation(**sent["turning"]) if sent["turning"] else None
         options = without_checks(WorkerOptions, values.pop("options"))
         feeding = without_checks(Feeding, values.pop("feeding"))

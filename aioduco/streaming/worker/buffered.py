@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from aioduco._wire.connection import Connection
     from aioduco.envelope.limits import Crossing
     from aioduco.streaming.shared.block import Block
-    from aioduco.streaming.shared.config import Drive
     from aioduco.streaming.shared.ring import SetPoint
     from aioduco.streaming.worker.checked import EnvelopeCheck
     from aioduco.streaming.worker.permit import StreamPermit
@@ -192,13 +191,11 @@ class RealtimeQueueDriver(Driver):
     each tick it polls how many points are left and fills the queue to its depth.
     """
 
-    def __init__(
-        self, queue: Drive, connection: Connection, block: Block, permit: StreamPermit
-    ) -> None:
+    def __init__(self, connection: Connection, block: Block, permit: StreamPermit) -> None:
         self._feed = SetpointFeed(connection, block, permit.begin)
         super().__init__(self._feed.source, connection, block)
         self._permit = permit.require
-        self._queue = queue
+        self._queue = queue = block.config.sent
         self._depth = Depth(queue.high, max(self._timeout, 20 * queue.period))
 
         def element(values: list[float]) -> RealTimeControlData:
@@ -315,14 +312,11 @@ class TrackPoolDriver(Driver):
     pool is empty, so the worker neither interpolates nor limits.
     """
 
-    def __init__(
-        self, pool: Drive, connection: Connection, block: Block, permit: StreamPermit
-    ) -> None:
+    def __init__(self, connection: Connection, block: Block, permit: StreamPermit) -> None:
+        self._pool = pool = block.config.sent
         self._states = PoolStates(pool.low, pool.high, block.config.feeding.hold)
         super().__init__(self._states, connection, block)
         self._permit = permit
-        self._sent_as = block.config.sent
-        self._pool = pool
         name, element = ("trackEnqueueOp", _plain) if pool.extra else ("trackEnqueue", list)
         self._batch = Batch(connection, name, element, self._timeout, permit.require)
         self._depths = block.histograms["depth"].record
@@ -349,9 +343,9 @@ class TrackPoolDriver(Driver):
         first = ring.take()
         if first is None:
             return True
-        name, *args = self._sent_as.read
+        name, *args = self._pool.read
         actual = self._connection.call(name, tuple(args), self._timeout)
-        space = self._sent_as.space
+        space = self._pool.space
         reach = tuple(self._block.config.feeding.reach)
         found = too_far(space, space.decode(actual), space.decode(first.values), reach)
         if found:
@@ -425,7 +419,7 @@ class TrackPoolDriver(Driver):
             if point is None:
                 break
             if self._checked is not None and (
-                found := self._checked.line_to(self._sent_as.space.decode(point.values))
+                found := self._checked.line_to(self._pool.space.decode(point.values))
             ):
                 self._crossed(found)
                 return -1

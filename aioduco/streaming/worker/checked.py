@@ -253,7 +253,7 @@ class SpeedCheck:
         turned: Callable[[Config], Config],
         crossed: Callable[[Crossing], None],
     ) -> None:
-        sent, drive = config.sent, config.sent.drive
+        sent = config.sent
         self._crossed = crossed
         packed, wobj, reaction = envelope
         self._checker = EnvelopeChecker(packed, by_tip=not sent.in_joints)
@@ -267,9 +267,9 @@ class SpeedCheck:
         self._frame: Config = ()
         #: time at a speed until a stop takes effect: the program's, after two ticks without any [s]
         self._reach = reaction + 2 * config.period + _FRESH * 1e-9
-        if drive is not None and drive.kind == "queue":
+        if sent.kind == "queue":
             self._frame = POSE_SPACE.decode(wobj)
-            self._reach += drive.high * _CYCLE
+            self._reach += sent.high * _CYCLE
         self._place: Config = ()
         self._read_at = 0
 

@@ -17,7 +17,6 @@ from aioduco.streaming.worker.task_numbers import TaskNumbers
 if TYPE_CHECKING:
     from aioduco._wire.connection import Connection
     from aioduco.streaming.shared.block import Block
-    from aioduco.streaming.shared.config import Drive
     from aioduco.streaming.worker.permit import StreamPermit
 
 
@@ -31,16 +30,15 @@ _CALLS, _BUT = 10, 2
 class CallDriver(Driver):
     """One call per tick: servoj, servoj_pose, servo_tcp, servol, speedj, speedl."""
 
-    def __init__(
-        self, calls: Drive, connection: Connection, block: Block, permit: StreamPermit
-    ) -> None:
+    def __init__(self, connection: Connection, block: Block, permit: StreamPermit) -> None:
+        sent = block.config.sent
         self._feed = SetpointFeed(connection, block, permit.begin)
         super().__init__(self._feed.source, connection, block)
 
         def args(values: list[float]) -> tuple[Any, ...]:
-            return (values, *calls.arguments)
+            return (values, *sent.arguments)
 
-        self._name = calls.function
+        self._name = sent.name
         self._point = Point(connection, self._name, args, self._timeout, permit.require)
         self._ahead: tuple[float, ...] | None = None
         self._numbers = TaskNumbers()
@@ -114,7 +112,7 @@ class CallDriver(Driver):
 class ProbeDriver(Driver):
     """Measures the cost of a servo stream without moving the arm: one short call per tick."""
 
-    def __init__(self, connection: Connection, block: Block) -> None:
+    def __init__(self, connection: Connection, block: Block, permit: StreamPermit) -> None:  # noqa: ARG002 - it sends nothing
         super().__init__(Life(), connection, block)
         self._function = idl.functions()["get_robot_state"]
         self._arguments = codec.encode(self._function, ())

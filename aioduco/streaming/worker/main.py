@@ -162,15 +162,13 @@ class StreamWorker:
         return OwnConnection(self._endpoint, keeps_overdue=True, waiting=self._permit.look)
 
     def _make_driver(self, connection: Connection) -> Driver:
-        drive = self._config.sent.drive
-        if drive is None:
-            return ProbeDriver(connection, self._block)
-        kinds: dict[str, type[CallDriver | RealtimeQueueDriver | TrackPoolDriver]] = {
+        kinds: dict[str, type[CallDriver | RealtimeQueueDriver | TrackPoolDriver | ProbeDriver]] = {
             "call": CallDriver,
             "queue": RealtimeQueueDriver,
             "pool": TrackPoolDriver,
+            "probe": ProbeDriver,
         }
-        return kinds[drive.kind](drive, connection, self._block, self._permit)
+        return kinds[self._config.sent.kind](connection, self._block, self._permit)
 
     def _end_on_controller(self, own: OwnConnection, reason: Reason) -> None:
         """End the stream's mode or motion on the controller's side, too."""
