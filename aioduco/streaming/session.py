@@ -98,6 +98,8 @@ class Session(OpenStream):
         self._thread: threading.Thread | None = None
         self._link: socket.socket | None = None
         self._woken = anyio.Event()
+        #: levels of the ring for which tasks wait
+        self._levels: list[int] = []
         self.block: Block | None = None
         self.gone: bool = False
         # what is kept of the block after its release
@@ -539,12 +541,14 @@ class Session(OpenStream):
     async def until_level(self, level: int) -> None:
         """Wait until at most `level` set-points are in the ring, or the worker has ended."""
         assert self.block is not None
-        ring = self.block.ring
+        ring, awaited = self.block.ring, max(1, level)
+        self._levels.append(awaited)
         try:
-            self._write(ControlWord.WAKE_BELOW, max(1, level))
+            self._write(ControlWord.WAKE_BELOW, max(self._levels))
             await self._until(lambda: ring.level <= level)
         finally:
-            self._write(ControlWord.WAKE_BELOW, 0)
+            self._levels.remove(awaited)
+            self._write(ControlWord.WAKE_BELOW, max(self._levels, default=0))
 
     async def until_gone(self) -> None:
         """Wait until the worker has ended."""

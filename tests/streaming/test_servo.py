@@ -621,6 +621,43 @@ async def test_of_offsets_with_a_wrong_one_none_is_carried_out(
     assert steps[:, 0].sum() == pytest.approx(0.02)
 
 
+async def test_of_two_tasks_that_wait_for_room_each_is_woken(controller: Controller) -> None:
+    """The one that waits longer must not wait until the arm has nothing to follow."""
+    opened = controller.servo.joints(v=1.0, a=5.0, rate=20, ahead=20, options=THREAD)
+    async with opened as stream:
+        for n in range(10):
+            await stream.send(near(1e-4 * n))
+        levels: list[int] = []
+
+        async def wait_for(level: int) -> None:
+            await opened._session.until_level(level)
+            levels.append(stream.statistics().queued)
+
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(wait_for, 3)
+            tasks.start_soon(wait_for, 6)
+        assert levels == [6, 3]
+        assert stream.state is StreamState.FOLLOWING
+
+
+async def test_external_axes_behind_the_joints_are_left_out(controller: Controller) -> None:
+    controller.server.answer("get_actual_joints_position", [*HERE, 1.5])
+    async with controller.servo.joints(v=1.0, a=5.0, options=THREAD) as stream:
+        await stream.send(HERE)
+    assert controller.points()[-1] == pytest.approx(HERE)
+
+
+@pytest.mark.parametrize("answer", [[], HERE[:5], [math.nan] * 6])
+async def test_a_controller_that_does_not_say_where_the_arm_is(
+    controller: Controller, answer: list[float]
+) -> None:
+    controller.server.answer("get_actual_joints_position", answer)
+    with pytest.raises(StreamRefused, match="the place is not known"):
+        async with controller.servo.joints(v=1.0, a=5.0, options=THREAD) as stream:
+            await stream.send(HERE)
+    assert not controller.points()
+
+
 async def test_leaving_waits_until_the_arm_stands(controller: Controller) -> None:
     looks = itertools.count()
     controller.server.answer("robotmoving", lambda: next(looks) < 5)
