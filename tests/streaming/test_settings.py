@@ -7,13 +7,16 @@ import math
 import os
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from aioduco.api.streams.arguments import ServoGains
+from aioduco.api.streams.realtime import RealtimeStreams
 from aioduco.api.streams.servo import Servo
 from aioduco.errors import ParameterError
+from aioduco.streaming.shared.config import WorkerConfig
 from aioduco.streaming.shared.histogram import Histogram
 from aioduco.streaming.shared.options import Feeding, WorkerOptions
 
@@ -65,6 +68,25 @@ def test_what_is_not_allowed_is_refused_before_anything_is_sent(
 def test_impossible_options_are_refused(options: dict[str, Any]) -> None:
     with pytest.raises(ParameterError):
         WorkerOptions(**options)
+
+
+def test_options_of_other_types_reach_the_worker_as_plain_numbers() -> None:
+    """They are stored as JSON: what is taken and not stored plainly fails only on entering."""
+    ways: Any = {"latest": np.False_, "chunks": np.False_, "ahead": np.int64(20), "rate": 100}
+    options: Any = {"cpus": range(2), "priority": np.int64(5), "spin": np.float32(0.5)}
+    made = [
+        Servo(Controller.nowhere()).joints(
+            v=1.0, a=5.0, options=WorkerOptions(**options | {"cpus": cpus}), **ways
+        )
+        for cpus in (range(2), np.array([0, 1]))
+    ]
+    streams = RealtimeStreams(Controller.nowhere())
+    period: Any = np.float32(0.004)
+    made.append(streams.stream("joint_position", v=1.0, a=5.0, period=period))
+    for stream in made:
+        config = stream._session._config
+        assert WorkerConfig.unpack(config.pack()).pack() == config.pack()
+    assert made[1]._session._config.options == WorkerOptions(cpus=(0, 1), priority=5, spin=0.5)
 
 
 def test_a_ring_holds_four_seconds_or_only_the_newest() -> None:

@@ -122,7 +122,8 @@ class RealtimeStreams(StreamMaker):
         depth = _DEPTH("depth", depth)
         if frame is not None and chosen is not RealtimeMode.TWIST:
             raise ParameterError("frame", frame, 'left out: it is for mode="twist" alone')
-        if not CYCLE <= ranges.TIMEOUT("period", period) <= depth * CYCLE / 2:
+        period = ranges.TIMEOUT("period", period)
+        if not CYCLE <= period <= depth * CYCLE / 2:
             raise ParameterError(
                 "period", period, f"from {CYCLE:g} s to half of what {depth} points last"
             )

@@ -69,9 +69,10 @@ class WorkerOptions:
         from aioduco.models.words import one_of  # noqa: PLC0415 - not in a worker
 
         one_of("run_in", self.run_in, ("process", "thread"))
-        Integers(Integer(0, 4095, source=_SOURCE), source=_SOURCE)("cpus", self.cpus)
+        cpus = Integers(Integer(0, 4095, source=_SOURCE), source=_SOURCE)
+        stored(self, cpus=lambda name, given: tuple(cpus(name, given)))
         if self.priority is not None:
-            Integer(0, 99, source=_SOURCE)("priority", self.priority)
+            stored(self, priority=Integer(0, 99, source=_SOURCE))
         pause = Number(0.0, 3600.0, "s", source=_SOURCE)
         answer = Number(0.0, 3600.0, "s", open_low=True, source=_SOURCE)
         away = Number(0.2, 60.0, "s", source=_SOURCE)
@@ -114,9 +115,8 @@ class Feeding:
         from aioduco.models.rules import Flag, Integer, Number, stored  # noqa: PLC0415 - not in a worker
         from aioduco.models.words import one_of  # noqa: PLC0415 - not in a worker
 
-        rate = rate_rule()
-        stored(self, rate=rate)
-        Flag(source=_SOURCE)("latest", self.latest)
+        rate, flag = rate_rule(), Flag(source=_SOURCE)
+        stored(self, rate=rate, latest=flag)
         if self.source_rate is not None:
             stored(self, source_rate=rate)
         if self.source_rate is not None and self.source_rate > self.rate:
@@ -137,12 +137,12 @@ class Feeding:
                 f"given (targets per second) with upsample={self.upsample!r}; or with latest=True, "
                 "only the newest target counts, and its rate is measured",
             )
-        stored(self, blend=Number(0.0, 10.0, "s", source=_SOURCE))
-        if Flag(source=_SOURCE)("chunks", self.chunks):
+        stored(self, blend=Number(0.0, 10.0, "s", source=_SOURCE), chunks=flag)
+        if self.chunks:
             self._check_chunks()
         stored(self, hold=Number(0.0, 60.0, "s", open_low=True, source=_SOURCE))
         if self.ahead is not None:
-            Integer(1, MOST_POINTS, "targets", source=_SOURCE)("ahead", self.ahead)
+            stored(self, ahead=Integer(1, MOST_POINTS, "targets", source=_SOURCE))
 
     def _check_chunks(self) -> None:
         if self.latest:
