@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from aioduco._wire.endpoint import Endpoint
 
 
-#: seconds to wait for the end of a thread, which has nothing to wait for any more
+#: seconds to wait for the end of a thread, which has nothing to wait for any more but a name
 _JOIN_LIMIT: Final = 1.0
 #: seconds after which a stop is sent on a second connection as well
 _SECOND_STOP_AFTER: Final = 0.1
@@ -123,11 +123,12 @@ class PoolThread(Carrier):
         self._inbox.put(loop_callback(self._ended.set))
 
     async def closed(self) -> None:
-        """Wait for the end of the thread."""
+        """Wait for the end of the thread, but not long: nothing ends a wait for a name server."""
         if self._thread is not None:
-            async with asyncio.timeout(_JOIN_LIMIT):
-                await self._ended.wait()
-            self._thread.join(_JOIN_LIMIT)
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(_JOIN_LIMIT):
+                    await self._ended.wait()
+                self._thread.join(_JOIN_LIMIT)
 
     def forget(self) -> None:
         """Make the thread end, although nobody waits for that."""

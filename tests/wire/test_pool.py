@@ -11,11 +11,13 @@ import anyio
 import pytest
 
 from aioduco._wire.endpoint import Endpoint
+from aioduco._wire.lane import WireLane
 from aioduco._wire.own_connection import OwnConnection
 from aioduco.errors import CallTimeout, ConnectionLost, OutcomeUnknown, RobotStateError
 from aioduco.testing import eventually_async
 
 from .lanes import SHORT, Gate, noted, opened, own_threads
+from .names import NAME, Names
 from .servers import PATIENCE, Peer, ScriptedServer, ending, honest
 
 blocking = partial(opened, blocks=True)
@@ -90,6 +92,20 @@ async def test_closing_ends_calls_under_way_and_their_threads() -> None:
         assert {type(error) for error in raised} == {ConnectionLost, OutcomeUnknown}
         assert threads() == []
         gate.open()
+
+
+async def test_closing_does_not_wait_for_a_name_server_that_hangs(names: Names) -> None:
+    names.answers.clear()
+    lane = WireLane("test", NAME, 7003, blocks=True, connect_timeout=PATIENCE)
+    await lane.open()
+    raised: list[BaseException] = []
+    async with anyio.create_task_group() as group:
+        group.start_soon(noted, raised, ConnectionLost, lane.within(None).pause(True))
+        await eventually_async(lambda: names.asked == 1)
+        await lane.aclose()
+    assert [str(error) for error in raised] == ["pause was not sent, since its lane was closed"]
+    names.answers.set()
+    await eventually_async(lambda: threads() == [])
 
 
 async def test_a_thread_that_cannot_be_had_is_said_so(monkeypatch: pytest.MonkeyPatch) -> None:
