@@ -65,10 +65,11 @@ def tap(
     known = idl.names()
     for strange in sorted((names or set()) - known):
         raise typer.BadParameter(f"function {unknown(strange, known)}", param_hint="--only")
+    line = _line_maker()
     with (
         failing(DucoError, OSError, RuntimeError),
         Tap(address.host, address.port, listen=(where, number)) as between,
-        _file(output, address.host, address.port) as write,
+        _file(output, address.host, address.port, line) as write,
         # Not raised, so that files are complete.
         handled(end_signals(), lambda *_: between.end()),
     ):
@@ -81,13 +82,15 @@ def tap(
                 if names is not None and item.function not in names:
                     continue
             if json:
-                say(_line(item))
+                say(line(item))
             else:
                 say(f"{item.at - begin:10.3f} {item}")
 
 
 @contextlib.contextmanager
-def _file(path: Path | None, host: str, port: int) -> Iterator[Callable[[TappedCall], None]]:
+def _file(
+    path: Path | None, host: str, port: int, line: Callable[[TappedCall], str]
+) -> Iterator[Callable[[TappedCall], None]]:
     """A function that writes calls to a file; the file's suffix selects the format."""
     if path is None:
         yield _thrown_away
@@ -106,7 +109,7 @@ def _file(path: Path | None, host: str, port: int) -> Iterator[Callable[[TappedC
                 if ended:
                     return
                 try:
-                    file.write(f"{_line(call)}\n".encode())
+                    file.write(f"{line(call)}\n".encode())
                 except OSError as error:
                     # The tap goes on: its end would cut off the client, and so stop the arm.
                     ended = True
@@ -156,8 +159,17 @@ def _recording(path: Path, host: str, port: int) -> Iterator[Callable[[TappedCal
         writer.join(10.0)
 
 
-def _line(item: TappedCall | TapNote) -> str:
-    """An item as one line of JSON; `at` in seconds since 1970."""
-    found: dict[str, Any] = item._asdict()
-    found["at"] += time.time() - time.monotonic()
-    return json_module.dumps(json_value(found), ensure_ascii=False)
+def _line_maker() -> Callable[[TappedCall | TapNote], str]:
+    """A function that makes a line of JSON of an item; `at` in seconds since 1970.
+
+    The difference of the clocks is taken once: a wall clock that is set meanwhile would part the
+    calls, or change their order.
+    """
+    ahead = time.time() - time.monotonic()
+
+    def line(item: TappedCall | TapNote) -> str:
+        found: dict[str, Any] = item._asdict()
+        found["at"] += ahead
+        return json_module.dumps(json_value(found), ensure_ascii=False)
+
+    return line

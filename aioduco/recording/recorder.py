@@ -48,6 +48,8 @@ _CLOSE_LIMIT: Final = 5.0
 _SAMPLES: Final = 256
 #: seconds between two reads of the flange's pose and of the figures of a stream
 _POLL_EVERY: Final = 1.0
+#: age of a log line from which on the clock was set rather than a handler slow [s]
+_OLDEST_LINE: Final = 10.0
 #: time-out of the reads of the flange's pose and of the arm's type [s]
 _ASK_LIMIT: Final = 0.5
 #: figures of a stream that are recorded, besides its name and its rate
@@ -91,7 +93,9 @@ class RecordingHandler(logging.Handler):
     def emit(self, record: logging.LogRecord) -> None:
         """Record a line; on the thread that logs it."""
         try:
-            at = time.monotonic() - (time.time() - record.created)
+            age = time.time() - record.created
+            # Set in between, the wall clock tells nothing.
+            at = time.monotonic() - (age if 0.0 <= age < _OLDEST_LINE else 0.0)
             text = record.getMessage()
             if record.exc_info and record.exc_info[1] is not None:
                 text += f" ({record.exc_info[1]!r})"

@@ -327,6 +327,21 @@ def test_a_computer_whose_clock_is_not_set_says_so(
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize("step", [-3600.0, 3600.0, 60.0 * 365 * 86400])
+async def test_a_clock_that_is_set_moves_no_log_line(
+    step: float, robot: aioduco.Robot, tmp_path: Path
+) -> None:
+    """The last step is that of a computer without a clock of its own, which gets the time."""
+    async with robot.record(tmp_path / "run.mcap") as recording:
+        line = logging.LogRecord("a.program", logging.WARNING, "", 1, "here", (), None)
+        line.created -= step  # it was made before the step, and is handled after it
+        recording.handler.emit(line)
+    run = read(recording.path)
+    assert (recording.error, run.complete) == (None, True)
+    (time_of_line,) = [each.time for each in run.messages("/log")]
+    assert -0.1 < time_of_line < run.duration + 0.1 < 60.0
+
+
 def test_in_programs_that_wait(bench: Bench, tmp_path: Path) -> None:
     with aioduco.sync.connect(bench.host, bench.port, record=tmp_path / "a.mcap") as robot:
         with robot.record(tmp_path / "b.mcap", forces=False) as recording:

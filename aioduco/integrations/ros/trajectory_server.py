@@ -123,6 +123,7 @@ class _Job:
         handle: messages to its client.
         checked: the goal, checked.
         arrived: when it arrived, on the event loop's clock [s].
+        begin: when it begins, on the same clock, which nobody sets; None: at once.
         joins: whether its first point was a position of the arm on the way of an earlier goal.
         permit: the permit of all that moves the arm for it, asked for when it arrived.
     """
@@ -130,6 +131,7 @@ class _Job:
     handle: GoalHandle
     checked: CheckedGoal
     arrived: float
+    begin: float | None
     joins: bool
     permit: contextlib.AbstractContextManager[None]
 
@@ -204,8 +206,9 @@ class TrajectoryServer:
 
     def submit(self, handle: GoalHandle) -> None:
         """Take a goal: refuse it at once, or carry it out as soon as the arm is at rest."""
+        wall = self._wall()
         try:
-            checked = check_goal(handle.goal, self._profile, self._rules, self._wall())
+            checked = check_goal(handle.goal, self._profile, self._rules, wall)
             self._check_begin(checked)
             permit = self._robot.permit("the goal")
         except DucoError as error:
@@ -216,7 +219,8 @@ class TrajectoryServer:
             now - at < _RECENT and np.abs(first - place).max() <= self._rules.start
             for at, place in self._recent
         )
-        dropped = self._queue.submit(_Job(handle, checked, now, joins, permit))
+        begin = now + checked.begin - wall if checked.begin else None
+        dropped = self._queue.submit(_Job(handle, checked, now, begin, joins, permit))
         if dropped is not None:
             dropped.handle.cancelled("a newer goal came before it began")
         if self._queue.superseded:
@@ -360,7 +364,7 @@ class TrajectoryServer:
 
         leads = job.joins or job.checked.trajectory.times[0] > 0.0
         moving = self._part is not None and not (self._part.cancel_called or self._paused)
-        if leads and moving and not job.checked.begin and self._switch is not None:
+        if leads and moving and job.begin is None and self._switch is not None:
             self._switch.ask(take_over, rest)
         else:
             rest()
@@ -439,8 +443,8 @@ class TrajectoryServer:
         Returns:
             Position of the arm [rad]. Shape (6,).
         """
-        if job.checked.begin:
-            await anyio.sleep(max(0.0, job.checked.begin - self._wall()))
+        if job.begin is not None:
+            await anyio.sleep_until(job.begin)
         actual = await self._standing()
         if not job.joins:
             check_start(job.checked, actual, self._profile, self._rules)
@@ -466,9 +470,7 @@ class TrajectoryServer:
             passed = anyio.current_time() - job.arrived + _LAG
             part = self._rest(path, actual, nearest_time(path, actual, 0.0, passed))
         self._path = path
-        begin = anyio.current_time()
-        if job.checked.begin:
-            begin -= max(0.0, self._wall() - job.checked.begin)
+        begin = anyio.current_time() if job.begin is None else job.begin
         while True:
             tolerances = self._running.checked.tolerances
             self._due = begin + part.trajectory.duration + tolerances.goal_time

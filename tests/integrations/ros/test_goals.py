@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import replace
 from types import SimpleNamespace
@@ -263,11 +263,13 @@ class HeldMotion:
 
 
 @asynccontextmanager
-async def held() -> AsyncIterator[tuple[TrajectoryServer, HeldMotion]]:
+async def held(
+    wall: Callable[[], float] = lambda: NOW,
+) -> AsyncIterator[tuple[TrajectoryServer, HeldMotion]]:
     """A server whose arm is held on its way."""
     robot: Any = FakeRobot()
     robot.motion = HeldMotion()
-    server = TrajectoryServer(robot, PROFILE, RULES, wall=lambda: NOW)
+    server = TrajectoryServer(robot, PROFILE, RULES, wall=wall)
     async with anyio.create_task_group() as tasks:
         tasks.start_soon(server.run)
         yield server, robot.motion
@@ -298,6 +300,18 @@ async def test_each_pause_is_answered_when_the_arm_stands() -> None:
         assert answers == [True] * 3
         assert server.resume()
         await eventually_async(lambda: motion.begun == 2)
+        assert client.told == ["accepted"]
+
+
+@pytest.mark.parametrize("step", [-3600.0, 3600.0])
+async def test_a_clock_that_is_set_changes_no_goal_that_waits_for_its_begin(step: float) -> None:
+    now = [NOW]
+    async with held(lambda: now[0]) as (server, motion):
+        server.submit(client := Client(goal(stamp=NOW + 0.05)))
+        now[0] += step
+        await eventually_async(lambda: motion.begun == 1)
+        motion.rest.set()
+        assert server._due > anyio.current_time()
         assert client.told == ["accepted"]
 
 

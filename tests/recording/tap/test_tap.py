@@ -293,15 +293,25 @@ def test_the_command_shows_and_records_each_call(bench: Bench, tmp_path: Path, s
 
 
 @pytest.mark.linux("a file that is full")
-def test_a_full_disk_ends_the_file_alone(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(tap_command, "_line", lambda call: call)
-    with tap_command._file(Path("/dev/full"), "127.0.0.1", 7003) as write:
+def test_a_full_disk_ends_the_file_alone(capsys: pytest.CaptureFixture[str]) -> None:
+    with tap_command._file(Path("/dev/full"), "127.0.0.1", 7003, str) as write:
         for _ in range(3):
             write("a call")  # type: ignore[arg-type]
     said = capsys.readouterr().err
     assert said == "/dev/full ended early: No space left on device; the tap goes on\n"
+
+
+@pytest.mark.parametrize("step", [-7200.0, 3600.0])
+def test_a_clock_that_is_set_does_not_part_the_calls(
+    step: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file, wall = tmp_path / "calls.jsonl", time.time
+    with tap_command._file(file, "127.0.0.1", 7003, tap_command._line_maker()) as write:
+        write(TappedCall(0, "stop", {}, 1, "", 1.0, 0.001))
+        monkeypatch.setattr(time, "time", lambda: wall() + step)
+        write(TappedCall(0, "stop", {}, 2, "", 1.5, 0.001))
+    first, second = (json.loads(each)["at"] for each in file.read_text("utf-8").splitlines())
+    assert second - first == pytest.approx(0.5, abs=1e-3)
 
 
 @pytest.mark.slow
