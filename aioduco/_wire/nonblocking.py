@@ -9,6 +9,7 @@ complete when the next thread runs.
 from __future__ import annotations
 
 import ctypes
+import errno
 import socket
 from typing import TYPE_CHECKING, Any, Final, cast
 
@@ -29,7 +30,8 @@ def _function(name: str, takes: list[Any], returns: Any) -> Callable[..., int] |
     """A function of the system that keeps the interpreter's lock; None where there is none."""
     if not limits_sockets():
         return None
-    found: Any = getattr(ctypes.PyDLL(None), name)  # a `CDLL` would release the lock
+    # a `CDLL` would release the lock
+    found: Any = getattr(ctypes.PyDLL(None, use_errno=True), name)
     found.argtypes, found.restype = takes, returns
     return cast("Callable[..., int]", found)
 
@@ -58,11 +60,14 @@ def send_at_once(descriptor: int, data: bytes) -> int:
 #: buffer for the peeked byte, which is never used
 _peeked: Final = ctypes.create_string_buffer(1)
 
+#: what the system says of a socket that has nothing to read, and is not reset
+_NOTHING_YET: Final = (errno.EAGAIN, errno.EWOULDBLOCK)
+
 _PEEK: Final = getattr(socket, "MSG_DONTWAIT", 0) | socket.MSG_PEEK
 
 
 def is_silent(descriptor: int) -> bool:
-    """Whether a socket has nothing to read, not even the end of the stream.
+    """Whether a socket has nothing to read, neither the end of the stream nor a reset.
 
     Args:
         descriptor: file descriptor of the socket; it must not be closed meanwhile.
@@ -72,7 +77,7 @@ def is_silent(descriptor: int) -> bool:
     """
     if _receive is None:
         return False
-    return _receive(descriptor, _peeked, 1, _PEEK) < 0
+    return _receive(descriptor, _peeked, 1, _PEEK) < 0 and ctypes.get_errno() in _NOTHING_YET
 
 
 #: an address of the family AF_UNSPEC: `connect` with it resets a connection

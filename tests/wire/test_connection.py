@@ -347,6 +347,25 @@ def test_a_call_is_sent_before_another_thread_can_run(monkeypatch: pytest.Monkey
     assert [b"stop" in data for data in sent] == [True]
 
 
+@pytest.mark.linux("reads that keep the interpreter's lock")
+@pytest.mark.cases(100)
+@pytest.mark.parametrize("how", ["silence", "bytes", "end", "reset"])
+def test_what_a_socket_has_to_read(how: str) -> None:
+    with (
+        socket.create_server(("127.0.0.1", 0)) as listener,
+        socket.create_connection(listener.getsockname()) as here,
+        listener.accept()[0] as there,
+    ):
+        if how == "bytes":
+            there.send(b"x")
+        elif how == "end":
+            there.shutdown(socket.SHUT_WR)
+        elif how == "reset":
+            there.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+            there.close()
+        assert nonblocking.is_silent(here.fileno()) == (how == "silence")
+
+
 def test_a_call_without_time_left_is_not_sent() -> None:
     with connected() as (connection, server):
         with pytest.raises(ConnectionLost, match="stop was not sent"):
