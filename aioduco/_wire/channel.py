@@ -265,6 +265,11 @@ class Channel(Carrier):
         """Number of sent bytes that the other side has not acknowledged."""
         return 0 if self._stream is None else self._stream.undelivered
 
+    @property
+    def connected(self) -> bool:
+        """Whether its connection is open, as far as this system knows; between calls."""
+        return self._stream is not None and self._stream.silent
+
     # A call
 
     def take(self, call: LaneCall) -> bool:

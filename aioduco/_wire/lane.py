@@ -150,6 +150,12 @@ class WireLane:
             stuck=int(self._endpoint.hanging),
         )
 
+    @property
+    def connection(self) -> int | None:
+        """Number of the connection of a lane that has one; None while it is not open."""
+        open_now = any(isinstance(each, Channel) and each.connected for each in self._carriers)
+        return self._endpoint.opened if open_now else None
+
     def __repr__(self) -> str:
         figures = self.statistics()
         state = "OPEN" if self._open else "CLOSED" if self.closed else "NEW"

@@ -58,6 +58,8 @@ class Dispatcher:
         permits: permits to move the arm.
         check: checks each motion before it is sent; it may raise, or slow the motion down.
         require_opened: called with the name of each command; raises if the robot was never opened.
+        check_software: called with the name of each motion before it is sent; raises if the
+            controller has other software than it had when the robot was opened.
     """
 
     def __init__(
@@ -77,6 +79,7 @@ class Dispatcher:
         self.accepted: int = 0
         self.check: Callable[[Command], Awaitable[Command]] | None = None
         self.require_opened: Callable[[str], object] = lambda _: None
+        self.check_software: Callable[[str], Awaitable[object]] | None = None
 
     async def quiet(self, timeout: float) -> None:
         """Wait until no command is on its way; after the gate was closed, none follows."""
@@ -179,6 +182,8 @@ class Dispatcher:
         """Wait for stops, then convert a motion into the wire's frame, and check it."""
         await self.permits.after_stops(permit)
         await self._coordinator.modes.leave_overdue(command.name)
+        if self.check_software is not None:
+            await self.check_software(command.name)
         if command.aim is not None:
             command = replace(command, args=await command.aim(command))
         return command if self.check is None else await self.check(command)

@@ -42,6 +42,7 @@ from aioduco.errors import (
     GuardLost,
     HeartbeatLost,
     NotAController,
+    NotSent,
     RobotStateError,
     StopUnconfirmed,
 )
@@ -207,6 +208,9 @@ class Supervisor:
         )
         self.dispatcher.check = self.envelope.check
         self.dispatcher.require_opened = self._require_opened
+        self.dispatcher.check_software = self._check_software
+        #: the connection for motions since which the version is known
+        self._motions_over: int | None = None
         self._replacing_guard = False
         self._process = os.getpid()
         #: ends the watch over the event loop; waits so many seconds for the end of its thread
@@ -366,7 +370,7 @@ class Supervisor:
         # Before the first beat, which uses it to judge whether the event loop hangs.
         self._background.start(self._live(on_grid(time.monotonic())), "aioduco keep-alive")
         try:
-            self.version = ControllerVersion(await self._open_lanes())
+            self._note_version(await self._open_lanes())
             self._watch_loop()
         except BaseException as exc:
             self._closed = True
@@ -375,8 +379,6 @@ class Supervisor:
             if lack and not isinstance(exc, GuardLost):
                 raise ConnectError(self.host, self.port, f"{lack}. No motion was sent") from exc
             raise
-        for lane in self.lanes:
-            lane.version = self.version.text
         self._opened = True
         self.envelope.begin()
         atexit.register(self._at_exit)  # this also keeps alive what the stop needs
@@ -385,11 +387,11 @@ class Supervisor:
         if self.guard is not None and not self.guard.alive:
             self._guard_lost()  # while the robot was being opened
 
-    async def _open_lanes(self) -> str:
+    async def _open_lanes(self) -> ControllerVersion:
         """Open every lane, read state and version, start a guard if wanted, and the heartbeat.
 
         Returns:
-            The version of the controller's software; empty if it does not report one.
+            The version of the controller's software.
 
         Raises:
             ConnectError: the host is unknown, the port is closed, or nothing answers.
@@ -423,6 +425,37 @@ class Supervisor:
             reason = f"what answers there is no controller, or one that is still starting ({exc})"
             raise NotAController(*where, f"{reason}; {_PORT}") from exc
         return version
+
+    def _note_version(self, version: ControllerVersion) -> None:
+        self.version = version
+        for lane in self.lanes:
+            lane.version = version.text
+        self._motions_over = self._motion_lane.connection
+
+    async def _check_software(self, name: str) -> None:
+        """Check before a motion that the controller means the same by it as when it was opened.
+
+        While a controller gets other software, its connections end. So its version is read again
+        when motions have a new connection.
+
+        Raises:
+            RobotStateError: it has other software, by which another manual applies.
+            ConnectError, NotSent: its version cannot be read; nothing was sent.
+        """
+        lane = self._motion_lane
+        if self._motions_over is not None and lane.connection == self._motions_over:
+            return
+        try:
+            version = await _version(lane)
+        except ConnectionLost as exc:
+            raise NotSent(f"{name} was not sent: {exc}") from exc
+        if version.manual != self.version.manual:
+            raise RobotStateError(
+                f"{name} was not sent: the controller's software was {self.version} when this "
+                f"robot was opened, and is {version} now, which means other things by some "
+                "arguments. Leave the robot, and connect again"
+            )
+        self._note_version(version)
 
     async def rearm_heartbeat(self, timeout: float) -> None:
         """Resume the beats after a stall of the event loop; see `Robot.rearm_heartbeat`."""
@@ -648,12 +681,11 @@ class Supervisor:
         self.forget()
 
 
-async def _version(lane: WireLane) -> str:
+async def _version(lane: WireLane) -> ControllerVersion:
     try:
-        version: str = await lane.call("get_robot_version", ())
+        return ControllerVersion(await lane.call("get_robot_version", ()))
     except ControllerError:
-        return ""  # older controllers may not report it
-    return version
+        return ControllerVersion("")  # older controllers may not report it
 
 
 async def _beats(

@@ -6,9 +6,12 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from client.bench import HOME
 
 import aioduco
 from aioduco import Jog, JogDirections, ParameterError
+from aioduco.errors import NotSent
+from aioduco.testing import DropReply, FaultProxy
 from api.desk import Desk
 
 UP, DOWN = Jog.joint(1, 1, 50, step=0.05), Jog.joint(1, -1, 50, step=0.05)
@@ -34,6 +37,40 @@ async def test_the_version_decides(desk: Desk, way: str, version: str, numbers: 
         for jog in (UP, DOWN):
             await WAYS[way](robot, jog)
     assert [call.args[0].jog_direction for call in desk.received("move_jog")] == numbers
+
+
+@pytest.mark.parametrize(("version", "refused"), [("V3.8.1", False), ("V4.3.0", True)])
+async def test_a_controller_that_gets_other_software_meanwhile(
+    desk: Desk, way: str, version: str, refused: bool
+) -> None:
+    """The robot stays open, and its jogs would go the wrong way."""
+    with FaultProxy(desk.host, desk.port) as proxy:
+        async with aioduco.connect(proxy.host, proxy.port) as robot:
+            await WAYS[way](robot, UP)
+            desk.answer("get_robot_version", version)
+            proxy.cut()
+            if refused:
+                for _ in range(2):
+                    with pytest.raises(
+                        aioduco.RobotStateError, match=r"V3\.8\.0 .* is V4\.3\.0 now"
+                    ):
+                        await WAYS[way](robot, UP)
+            else:
+                await WAYS[way](robot, UP)
+                assert robot.version.controller.text == version
+    assert len(desk.received("move_jog")) == 1 + (not refused)
+
+
+async def test_a_motion_says_if_the_version_cannot_be_read_again(desk: Desk) -> None:
+    with FaultProxy(desk.host, desk.port) as proxy:
+        async with aioduco.connect(proxy.host, proxy.port, call_timeout=0.2) as robot:
+            proxy.cut()
+            proxy.on("get_robot_version", DropReply(), times=None)
+            with pytest.raises(NotSent, match=r"^movej2 was not sent: get_robot_version"):
+                await robot.motion.movej2(HOME, v=1.0, a=1.0)
+            proxy.clear()
+            await robot.motion.movej2(HOME, v=1.0, a=1.0)
+    assert len(desk.received("movej2")) == 1
 
 
 @pytest.mark.parametrize("version", ["", "V4.0.1"])
