@@ -469,6 +469,17 @@ async def test_a_full_pool_is_said(controller: Controller) -> None:
         await fed(opened, [], lambda: opened.play(points))
 
 
+@workers
+async def test_a_realtime_stream_that_begins_elsewhere_sends_nothing(
+    controller: Controller, queue: Cycles, options: WorkerOptions
+) -> None:
+    with anyio.fail_after(30.0), pytest.raises(FirstPointTooFar, match=r"joint 1: 0\.2 rad away"):
+        await fed(of_positions(controller, reach=0.1, options=options), [near(0.2)])
+    assert not queue.points
+    assert not controller.server.received("start_realtime_mode")
+    assert not controller.server.received("stop")
+
+
 async def test_a_track_that_begins_elsewhere_is_refused(controller: Controller) -> None:
     pool = PoolDrive(controller, per_look=1)
     opened = TrackStreams(controller.endpoint).stream("joints", speed=0.5, acc=1.0, options=THREAD)

@@ -229,12 +229,17 @@ class RealtimeQueueDriver(Driver):
     def _start(self) -> bool:
         """Fill the empty queue, and start realtime mode.
 
-        The first points are the arm's position, as the manual requires.
+        The first points are the arm's position, as the manual requires. Nothing is sent if the
+        program's first set-point is too far from there.
         """
+        rest = self._batch.element(self._feed.wire(self._feed.resting()))
+        first = self._feed.step()
+        if first is None:
+            return self.life.state < StreamState.ENDED
+        self._last = self._batch.element(self._feed.wire(first))
         if not self._accepted("clear_realtime_data_queue", ()):
             return False
-        rest = self._batch.element(self._feed.wire(self._feed.resting()))
-        if not self._enqueue([rest] * self._queue.high):
+        if not self._enqueue([rest] * (self._queue.high - 1) + [self._last]):
             return False
         self._block.status[StatusWord.MODE] = 1  # before the call, since its answer may be lost
         name, args = self._queue.function, tuple(self._queue.arguments)
