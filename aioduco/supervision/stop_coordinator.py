@@ -29,6 +29,7 @@ from aioduco.errors import (
     UnknownFunction,
 )
 from aioduco.models.enums import Outcome, ProgramState, TaskState
+from aioduco.models.samples import joints as joints_of
 from aioduco.supervision.concurrency import BackgroundTasks, every, run_to_completion
 from aioduco.supervision.gate import Gate, Permit, PermitEnding
 from aioduco.supervision.motion_sources import ModeEnding, Modes, OpenStream
@@ -288,9 +289,9 @@ class StopCoordinator:
 
         Raises:
             ConnectionLost: the controller does not answer.
+            StaleState: it answers fewer than six angles, or some that are not finite.
         """
-        angles: list[float] = await self._poll.call("get_actual_joints_position", (), _ASK_LIMIT)
-        return angles
+        return joints_of(await self._poll.call("get_actual_joints_position", (), _ASK_LIMIT))
 
     async def stop_stream(self, ending: str) -> None:
         """Stop the arm after a stream's worker has died, or could not bring it to rest.

@@ -236,6 +236,7 @@ class Task(Uncopied):
 
         Raises:
             ConnectionLost: the controller does not answer.
+            StaleState: it answers fewer than six angles, or some that are not finite.
         """
         if self.done:
             return 1.0 if self.outcome is Outcome.FINISHED else None

@@ -25,6 +25,7 @@ Guarantees:
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import time
 from functools import partial
@@ -402,9 +403,8 @@ class TaskFollower:
         task.placed = True
         if any(other.motion for other in self._seen if other is not task):
             return  # it begins where another motion ends, at an unknown time
-        joints: list[float] | None = await self._read("get_actual_joints_position")
-        if joints is not None and len(joints) >= 6:
-            task._begins_at(joints)
+        with contextlib.suppress(DucoError):  # its end is not known beforehand then
+            task._begins_at(await self._arm.joints())
 
     def _answered(self, task: Task, state: TaskState | None) -> None:
         now = time.monotonic()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import pytest
 
 import aioduco
@@ -37,6 +39,17 @@ async def test_a_place_that_is_not_known_yet(robot: aioduco.Robot, bench: Bench,
         bench.answer(name, wire)
         with pytest.raises(aioduco.StaleState, match="still starting"):
             await getattr(robot.state, name)()
+
+
+@pytest.mark.parametrize("through", ["servoj", "realtime"])
+async def test_a_trajectory_from_a_place_that_is_not_known(
+    robot: aioduco.Robot, bench: Bench, through: Literal["servoj", "realtime"]
+) -> None:
+    bench.answer("get_actual_joints_position", [0.0] * 5)
+    path = aioduco.JointTrajectory([HOME, [*HOME[:5], 0.1]], [0.0, 1.0])
+    with pytest.raises(aioduco.StaleState, match="5 of 6 joint angles"):
+        await robot.motion.follow_joint_trajectory(path, v=1.0, a=5.0, through=through)
+    assert not robot.statistics().tasks
 
 
 async def test_samples_are_numbered(robot: aioduco.Robot) -> None:

@@ -480,6 +480,42 @@ async def test_a_realtime_stream_that_begins_elsewhere_sends_nothing(
     assert not controller.server.received("stop")
 
 
+@pytest.mark.cases(8)
+@pytest.mark.parametrize("kind", ["servo", "realtime", "track"])
+@pytest.mark.parametrize(
+    ("answer", "said"),
+    [
+        ([0.0] * 5, r"it answered \[0\.0, 0\.0, 0\.0, 0\.0, 0\.0\]: the place is not known"),
+        ([*HERE[:2], math.nan, *HERE[3:]], "nan.*: the place is not known"),
+        ([*HERE, 0.7], None),
+    ],
+    ids=["five", "nan", "rail"],
+)
+async def test_where_the_arm_is_has_six_numbers(
+    controller: Controller, queue: Cycles, kind: str, answer: list[float], said: str | None
+) -> None:
+    """Without those of external axes; of fewer, or of nan, nothing is made that could be sent."""
+    controller.server.answer("trackClearQueue", 7)
+    controller.server.answer("get_actual_joints_position", answer)
+    if kind == "servo":
+        stream = controller.servo.joints(v=1.0, a=5.0, options=THREAD)
+    elif kind == "realtime":
+        stream = of_positions(controller)
+    else:
+        tracks = TrackStreams(controller.endpoint)
+        stream = tracks.stream("joints", speed=0.5, acc=1.0, options=THREAD)
+    if said is not None:
+        with pytest.raises(StreamRefused, match=said):
+            await fed(stream, [HERE])
+        assert not [*controller.points(), *queue.points]
+    elif kind == "track":  # the bench refuses the next step
+        with pytest.raises(StreamRefused, match="trackClearQueue was refused"):
+            await fed(stream, [HERE])
+    else:
+        await fed(stream, [HERE])
+        assert [*controller.points(), *queue.points]
+
+
 async def test_a_track_that_begins_elsewhere_is_refused(controller: Controller) -> None:
     pool = PoolDrive(controller, per_look=1)
     opened = TrackStreams(controller.endpoint).stream("joints", speed=0.5, acc=1.0, options=THREAD)

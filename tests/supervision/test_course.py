@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import hypothesis.strategies as st
 import pytest
 from client.bench import HOME, POSE, Bench
@@ -67,3 +69,21 @@ async def test_what_is_not_known_is_not_told(bench: Bench, robot: aioduco.Robot)
     await robot.stop()
     await line.wait()
     assert await line.progress() is None
+
+
+async def test_external_axes_and_what_is_no_place(bench: Bench, robot: aioduco.Robot) -> None:
+    bench.motion_time = 60.0
+    bench.answer("get_actual_joints_position", [*HOME, 0.7])
+    task = await robot.motion.movej2([*HOME[:5], 3.0], v=0.1, a=1.0).start()
+    await eventually_async(lambda: task.remaining is not None)
+    assert await task.progress() == 0.0
+    for wrong in ([0.0] * 5, [*HOME[:5], math.nan]):
+        bench.answer("get_actual_joints_position", wrong)
+        with pytest.raises(aioduco.StaleState, match="still starting"):
+            await task.progress()
+    await robot.stop()
+    before = robot.statistics().polls
+    unknown = await robot.motion.movej2([*HOME[:5], 3.0], v=0.1, a=1.0).start()
+    await eventually_async(lambda: robot.statistics().polls > before + 3)
+    assert unknown.remaining is None
+    await robot.stop()

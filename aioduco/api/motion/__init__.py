@@ -19,6 +19,7 @@ from aioduco.api.streams.arguments import per_group
 from aioduco.errors import ParameterError, StopUnconfirmed, UnknownFunction
 from aioduco.models import ranges
 from aioduco.models.rules import Integer, Real
+from aioduco.models.samples import joints as joints_of
 from aioduco.models.words import one_of
 from aioduco.streaming.joint_trajectory import JointTrajectory, Tolerances
 from aioduco.streaming.shared.options import Feeding, WorkerOptions, checked
@@ -27,7 +28,7 @@ from aioduco.supervision.motion_path import MotionPath
 from aioduco.supervision.permits import asked_at_call
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from aioduco.models.enums import Outcome
     from aioduco.streaming.endpoint import StreamEndpoint
@@ -225,7 +226,7 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
             queued = through == "realtime" or (through == "auto" and await self._has_queue())
             return await follow(
                 self._endpoint,
-                self._rpc.get_actual_joints_position,
+                self._joints,
                 trajectory,
                 realtime=queued,
                 v=speed,
@@ -301,12 +302,20 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
                 options=options,
             )
 
-    async def _joints_at_rest(self) -> list[float]:
+    async def _joints_at_rest(self) -> Sequence[float]:
         """Read the joints once the arm stands: after a stop it may still be coming to rest."""
         # if the arm still moves, the plan is refused when it is sent
         with contextlib.suppress(StopUnconfirmed):
             await self._supervisor.stop_coordinator.standstill()
-        return await self._rpc.get_actual_joints_position()
+        return await self._joints()
+
+    async def _joints(self) -> Sequence[float]:
+        """Read where the arm is [rad].
+
+        Raises:
+            StaleState: the controller answers fewer than six angles, or some that are not finite.
+        """
+        return joints_of(await self._rpc.get_actual_joints_position())
 
     async def _has_queue(self) -> bool:
         """Whether the controller has a realtime queue; older controllers lack the function."""

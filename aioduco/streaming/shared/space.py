@@ -8,9 +8,10 @@ Plain Python: for six numbers it is faster than numpy.
 
 from __future__ import annotations
 
-from math import sqrt
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from math import isfinite, sqrt
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
+from aioduco.errors import ControllerError
 from aioduco.models.quaternions import (
     from_rotvec,
     from_rpy,
@@ -22,7 +23,7 @@ from aioduco.models.quaternions import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
 
 #: a point of a space: six joint angles [rad], or position [m] and unit quaternion (w, x, y, z)
@@ -132,6 +133,44 @@ Space: TypeAlias = JointSpace | PoseSpace
 
 JOINT_SPACE = JointSpace()
 POSE_SPACE = PoseSpace()
+
+
+def six_numbers(read: Sequence[str], answer: Sequence[float]) -> tuple[float, ...]:
+    """The six numbers of a place that a controller answered, without those of external axes.
+
+    Args:
+        read: the function that was called, and its arguments.
+        answer: what it answered.
+
+    Raises:
+        ControllerError: these are fewer, or not finite.
+    """
+    name, *args = read
+    six = tuple(answer[:6])
+    if len(six) < 6 or not all(map(isfinite, six)):
+        of = f" of {args}" if any(args) else ""
+        named = ". Is there a tool or work object of that name?" if of else ""
+        raise ControllerError(
+            name, f"it answered {list(answer)}: the place{of} is not known{named}"
+        )
+    return six
+
+
+def read_six(
+    call: Callable[[str, tuple[str, ...], float], Any], read: Sequence[str], timeout: float
+) -> tuple[float, ...]:
+    """Read a place from the controller: `six_numbers`.
+
+    Args:
+        call: calls the controller: function of the wire, its arguments, time-out.
+        read: the function, and its arguments.
+        timeout: time-out of the call [s].
+
+    Raises:
+        ControllerError: it answers fewer than six numbers, or some that are not finite.
+    """
+    name, *args = read
+    return six_numbers(read, call(name, tuple(args), timeout))
 
 
 def too_far(space: Space, start: Config, end: Config, limits: Sequence[float]) -> str:

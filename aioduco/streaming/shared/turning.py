@@ -7,14 +7,13 @@ functions. Who reads the poses from the controller stands elsewhere: a worker do
 
 from __future__ import annotations
 
-import math
 import time
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
-from aioduco.errors import ControllerError, ParameterError
+from aioduco.errors import ParameterError
 from aioduco.models.quaternions import inverse, rotated
 from aioduco.streaming.shared.config import FrameRotation
-from aioduco.streaming.shared.space import POSE_SPACE, Config
+from aioduco.streaming.shared.space import POSE_SPACE, Config, read_six, six_numbers
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -37,17 +36,7 @@ def place_of(rotation: FrameRotation, poses: Iterable[Sequence[float]]) -> Confi
     Raises:
         ControllerError: it gave no pose, or has no such frame.
     """
-    found = []
-    for (name, *args), pose in zip(rotation.reads, poses, strict=True):
-        if len(pose) != 6 or not all(map(math.isfinite, pose)):
-            asked = f"of {args} " if any(args) else ""
-            raise ControllerError(
-                name,
-                f"it answered {list(pose)}: the orientation {asked}is not known. Is there a tool "
-                "or work object of that name?",
-            )
-        found.append(pose)
-    return composed(found)
+    return composed(list(map(six_numbers, rotation.reads, poses)))
 
 
 def composed(poses: Sequence[Sequence[float]]) -> Config:
@@ -171,6 +160,4 @@ class Directions:
         Raises:
             ControllerError: the controller gives no pose, or has no such frame.
         """
-        call, timeout = self._call, self._timeout
-        poses = [call(name, tuple(args), timeout) for name, *args in rotation.reads]
-        return place_of(rotation, poses)
+        return composed([read_six(self._call, read, self._timeout) for read in rotation.reads])

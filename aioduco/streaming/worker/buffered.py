@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from aioduco._wire.rpc import Op, PointOp, RealTimeControlData
 from aioduco.models.enums import TaskState
-from aioduco.streaming.shared.space import too_far
+from aioduco.streaming.shared.space import read_six, too_far
 from aioduco.streaming.shared.words import ControlWord, Reason, StatusWord, StreamState
 from aioduco.streaming.worker.driver import Driver
 from aioduco.streaming.worker.encoding import Batch
@@ -348,8 +348,7 @@ class TrackPoolDriver(Driver):
         first = ring.take()
         if first is None:
             return True
-        name, *args = self._pool.read
-        actual = self._connection.call(name, tuple(args), self._timeout)
+        actual = read_six(self._connection.call, self._pool.read, self._timeout)
         space = self._pool.space
         reach = tuple(self._block.config.feeding.reach)
         found = too_far(space, space.decode(actual), space.decode(first.values), reach)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from aioduco.envelope.checker import SLOW_SHARE, STOPPING, EnvelopeChecker
 from aioduco.models.quaternions import rotated
-from aioduco.streaming.shared.space import POSE_SPACE, Config, Space
+from aioduco.streaming.shared.space import POSE_SPACE, Config, Space, read_six
 from aioduco.streaming.worker.limiter import JerkLimiter, Limiter
 
 if TYPE_CHECKING:
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from aioduco.streaming.shared.config import CheckedEnvelope, WorkerConfig
 
 
+_JOINTS = ("get_actual_joints_position",)
 _STEP = 0.02  # length of one checked step between two points [m, rad]
 _MOST_STEPS = 500
 #: deviation from the straight line, as a share of its length, if each axis brakes in its own time;
@@ -199,11 +200,9 @@ def envelope_check(
     checker = EnvelopeChecker(packed, by_tip=not sent.in_joints)
     base = POSE_SPACE.decode(wobj)
     if not sent.in_joints:
-        joints = connection.call("get_actual_joints_position", (), timeout)
-        checker.seed = tuple(joints[:6])
+        checker.seed = read_six(connection.call, _JOINTS, timeout)
     if sent.meaning == "step":
-        name, *args = sent.read
-        tip = POSE_SPACE.decode(connection.call(name, tuple(args), timeout))
+        tip = POSE_SPACE.decode(read_six(connection.call, sent.read, timeout))
         base = POSE_SPACE.composed(base, tip)
 
     def seen(point: Config) -> Sequence[float]:
@@ -320,10 +319,9 @@ class SpeedCheck:
         if not self._place or now - self._read_at > _FRESH:
             call, timeout = self._connection.call, self._timeout
             if self._in_joints or not self._place:
-                joints = tuple(call("get_actual_joints_position", (), timeout)[:6])
-                self._place = self._checker.seed = joints
+                self._place = self._checker.seed = read_six(call, _JOINTS, timeout)
             if not self._in_joints:
-                self._place = POSE_SPACE.decode(call("get_tcp_pose", (), timeout))
+                self._place = POSE_SPACE.decode(read_six(call, ("get_tcp_pose",), timeout))
             self._read_at = now
         return self._place
 

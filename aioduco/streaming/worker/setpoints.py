@@ -11,7 +11,7 @@ import json
 import time
 from typing import TYPE_CHECKING, TypeAlias
 
-from aioduco.streaming.shared.space import POSE_SPACE, Config, Limits, Space, too_far
+from aioduco.streaming.shared.space import POSE_SPACE, Config, Limits, Space, read_six, too_far
 from aioduco.streaming.shared.turning import Directions
 from aioduco.streaming.shared.words import ActionTag, Reason, StatusWord, StreamState
 from aioduco.streaming.worker.interpolation import Linear, interpolator
@@ -419,7 +419,7 @@ class SetpointFeed:
         """Come to rest, if the arm moves: a set-point would have crossed the envelope."""
         self.source.brake(Reason.ENVELOPE, json.dumps(found))
 
-    def _actual(self) -> list[float]:
+    def _actual(self) -> tuple[float, ...]:
         """The arm's position; zero for steps, which are relative to it."""
         if self._meaning == "step":
             turning = self._config.sent.turning
@@ -427,10 +427,8 @@ class SetpointFeed:
                 place = self._directions.place(turning)
                 self._start = (0.0, 0.0, 0.0, *place[3:])
                 self._before = self._start
-            return [0.0] * 6
-        name, *args = self._config.sent.read
-        actual: list[float] = self._connection.call(name, tuple(args), self._timeout)
-        return actual
+            return (0.0,) * 6
+        return read_six(self._connection.call, self._config.sent.read, self._timeout)
 
     def step(self, passed: int = 1) -> tuple[float, ...] | None:
         """The next set-point for the controller; None if there is nothing to send.
