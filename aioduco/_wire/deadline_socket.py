@@ -252,6 +252,9 @@ class DeadlineSocket:
 
     def close(self) -> None:
         """End an idle connection in the ordinary way; never while another thread uses it."""
+        if self.socket.fileno() < 0:
+            # at its exit the interpreter may close the socket before the object that owns it
+            return
         self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _DELIVER)
         self.socket.close()
 

@@ -578,6 +578,16 @@ def test_a_connection_left_open_warns() -> None:
         server.wait_finished(1)
 
 
+def test_a_connection_whose_socket_the_interpreter_has_closed_closes() -> None:
+    """At its exit it may do that before the object of the vendor's class is collected."""
+    with connected() as (connection, _):
+        stream = connection._stream
+        assert stream is not None
+        stream.socket.close()
+        connection.close()
+        assert connection.state is ConnectionState.CLOSED
+
+
 def test_a_long_wait_of_the_main_thread_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(deadline_socket, "WAKE_EVERY", 0.01)
     limit_to = DeadlineSocket._limit_to
