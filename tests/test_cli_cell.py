@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 from pathlib import Path
 
 import pytest
@@ -138,6 +139,14 @@ def test_options_come_before_what_the_cell_says(tmp_path: Path) -> None:
     # with a profile, no option says the model
     assert simulated_parts(file, None, **{**usual, "model": None})["model"] == "gcr5_910"
     assert simulated_parts(None, None, **usual) == usual
+
+
+def test_a_simulated_robot_of_a_cell_is_where_its_programs_look_for_it(tmp_path: Path) -> None:
+    file = tmp_path / "cell.toml"
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        file.write_text(TEXT.format(host="127.0.0.1", port=port), encoding="utf-8")
+        assert f"cannot listen on 127.0.0.1:{port}" in told(run("sim", "--cell", str(file)))
 
 
 @pytest.mark.slow

@@ -11,7 +11,7 @@ import typer
 
 from aioduco.cli import extras, picture, watching
 from aioduco.cli.addresses import CellFile
-from aioduco.cli.cell_file import RobotName, simulated_parts
+from aioduco.cli.cell_file import RobotName, load_cell, simulated_parts
 from aioduco.cli.exit_codes import USAGE, fail, failing
 from aioduco.cli.options import (
     MountingOption,
@@ -25,6 +25,7 @@ from aioduco.cli.output import say
 from aioduco.cli.signals import wakeup_socket
 from aioduco.cli.sim_do import control_port_of
 from aioduco.errors import ParameterError, RenderError, SceneError
+from aioduco.models.address import PORT
 from aioduco.models.host_port import host_port
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ def sim(
     cell: CellFile = None,
     robot: RobotName = None,
     host: str = "127.0.0.1",
-    port: Annotated[int, typer.Option(min=0, max=65535)] = 7003,
+    port: Annotated[int | None, typer.Option(min=0, max=65535)] = None,
     status_port: Annotated[int | None, typer.Option(min=0, max=65535)] = None,
     force_port: Annotated[int | None, typer.Option(min=0, max=65535)] = None,
     control_port: Annotated[int | None, typer.Option(min=0, max=65535)] = None,
@@ -61,7 +62,7 @@ def sim(
         profile: Profile of one arm, from `aioduco calibrate`.
         generation: The controller that it plays: 3.8, 4.3, older, oldest or first; see the docs.
         host: Address to listen on. 0.0.0.0: the whole network.
-        port: Port to listen on. 0: a free one.
+        port: Port to listen on. 0: a free one. Default: that of the cell's robot, or 7003.
         status_port: Also push status frames on this port. A controller: 2001.
         force_port: Also stream forces from this UDP port. A controller: 2011.
         control_port: Port for `aioduco sim-do`. Default: port + 10000.
@@ -88,6 +89,8 @@ def sim(
         mounting=mounting_option(mounting),
         pedestal=pedestal,
     )
+    if port is None:
+        port = _usual_port(cell, robot)
     if render is not None and render.suffix not in picture.KINDS:
         raise typer.BadParameter(f"its name must end in {' or '.join(picture.KINDS)}")
     require_writable("--render", render)
@@ -140,6 +143,12 @@ def sim(
             where += f", commands on {lines.port}"
             say(f"simulated {simulator.arm.name} on {where}; Ctrl-C ends it")
             watch.until(heard)
+
+
+def _usual_port(cell: Path | None, robot: str | None) -> int:
+    """The port at which programs look for the robot: the one in the cell, if it has robots."""
+    found = None if cell is None else load_cell(cell)
+    return found.robot(robot).port if found is not None and found.robots else PORT
 
 
 def _fail_taken(host: str, ports: str, error: OSError) -> NoReturn:
