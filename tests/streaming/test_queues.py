@@ -228,8 +228,9 @@ async def test_a_queue_from_which_nothing_is_taken_any_more_ends_the_stream(
 @pytest.mark.parametrize("mode", ["joint_torque", 2, "nonsense"])
 def test_torques_and_unknown_modes_are_refused(mode: Any) -> None:
     known = '"joint_position", "joint_velocity", "pose" or "twist"'
-    with pytest.raises(ParameterError, match=known):
+    with pytest.raises(ParameterError, match=known) as refused:
         RealtimeStreams(Controller.nowhere()).stream(mode, v=1.0, a=1.0)
+    assert refused.value.__context__ is None  # one error is shown, and not two
 
 
 # -- track pool --------------------------------------------------------------------------------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from typing import TYPE_CHECKING, Any, Unpack
 
 from aioduco.api.streams import StreamMaker
@@ -154,7 +155,7 @@ _MODE = Choice({int(each): each.name for each in _MODES}, source="this package")
 
 def _mode(mode: Any) -> RealtimeMode:
     names = {known.name.lower(): known for known in _MODES}
-    try:
+    with contextlib.suppress(ParameterError):
         return RealtimeMode(_MODE("mode", mode))
-    except ParameterError:  # torques are refused, too: they would not hold the arm
-        return names[one_of("mode", mode, names)]
+    # torques are refused, too: they would not hold the arm
+    return names[one_of("mode", mode, names)]
