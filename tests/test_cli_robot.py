@@ -21,7 +21,7 @@ from test_cli import address, process, run, wait_until_it_moves
 
 import aioduco
 import aioduco.sync
-from aioduco.cli.addresses import robot_at
+from aioduco.cli.addresses import RobotAddress, robot_at
 from aioduco.cli.robots_file import robots_file
 from aioduco.cli.status import readiness
 from aioduco.models.enums import ProgramState, RobotState
@@ -186,7 +186,9 @@ def test_a_safety_stop_without_its_cause_is_not_ready() -> None:
         assert found.exit_code == 1
         refused = run("move", "joints", *map(str, HOME), "--yes", *address(sim))
         assert refused.exit_code == 1
-        assert "safety STOP2; nothing was sent" in refused.stderr
+        assert f"safety STOP2; nothing was sent; see the states; `aioduco recover {at(sim)}`" in (
+            " ".join(refused.stderr.split())
+        )
 
 
 @pytest.mark.slow
@@ -517,13 +519,13 @@ def test_the_tool_is_led_by_keys_after_a_question() -> None:
 @pytest.mark.parametrize(
     ("changed", "words"),
     [
-        ({"program": ProgramState.PAUSED}, "aioduco resume.*aioduco stop"),
-        ({"program": ProgramState.RUNNING}, "aioduco stop"),
+        ({"program": ProgramState.PAUSED}, "aioduco resume arm:7004.*aioduco stop arm:7004"),
+        ({"program": ProgramState.RUNNING}, "aioduco stop arm:7004"),
         ({"program": ProgramState.TASK_RUNNING}, "a motion runs"),
-        ({"robot": RobotState.POWER_OFF}, "aioduco bring-up"),
+        ({"robot": RobotState.POWER_OFF}, "aioduco bring-up arm:7004"),
         ({"robot": RobotState.DISABLE}, "aioduco bring-up"),
         ({"robot": RobotState.POWER_OFF, "emergency_stop": True}, "release the emergency stop"),
-        ({"collision_joint": 2}, "see that the arm is free, then `aioduco recover`"),
+        ({"collision_joint": 2}, "see that the arm is free, then `aioduco recover arm:7004`"),
         ({"robot": RobotState.UPDATE}, "see the states"),
         ({"ready": True}, "a motion would start"),
     ],
@@ -536,4 +538,4 @@ def test_status_names_the_command_that_helps(changed: dict[str, Any], words: str
         "robot": RobotState.ENABLE,
         "program": ProgramState.STOPPED,
     }
-    assert re.search(words, readiness(found | changed))
+    assert re.search(words, readiness(RobotAddress("arm", 7004), found | changed))

@@ -15,7 +15,7 @@ from aioduco.cli.options import WITH_NUMBERS, Json, Yes, refuse_unused
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.sessions import control_session
-from aioduco.cli.status import joints_line, look, pose_line
+from aioduco.cli.status import joints_line, look, pose_line, remedy
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -170,8 +170,8 @@ def ready_arm(address: RobotAddress, *, in_work_object: bool = False) -> dict[st
     if not found["ready"]:
         fail(
             f"the arm at {address} is not ready: robot {found['robot'].name}, program "
-            f"{found['program'].name}, safety {found['safety'].name}; nothing was sent. "
-            "`aioduco bring-up` or `aioduco recover` leads it there",
+            f"{found['program'].name}, safety {found['safety'].name}; nothing was sent; "
+            f"{remedy(address, found)}",
         )
     return found
 

@@ -11,6 +11,7 @@ from aioduco.cli.addresses import CellFile, Host, Port, RobotAddress, robot_at
 from aioduco.cli.exit_codes import FAILED
 from aioduco.cli.output import one_line, print_json, say
 from aioduco.cli.sessions import observing_session
+from aioduco.models.host_port import host_port
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -120,7 +121,7 @@ def _lines(address: RobotAddress, found: dict[str, Any]) -> list[str]:
         f"joints {joints_line(found['joints'])}",
         f"tool   {pose_line(found['pose'])}",
         f"moving {'yes' if found['moving'] else 'no'}",
-        f"ready  {readiness(found)}",
+        f"ready  {readiness(address, found)}",
         f"errors {errors}",
     ]
 
@@ -131,24 +132,28 @@ def states_line(found: dict[str, Any]) -> str:
     return ", ".join(f"{name} {found[name].name}" for name in names)
 
 
-def readiness(found: dict[str, Any]) -> str:
+def readiness(address: RobotAddress, found: dict[str, Any]) -> str:
     """Whether a motion would start, or what stands against it and which command helps."""
+    return "a motion would start" if found["ready"] else f"no: {remedy(address, found)}"
+
+
+def remedy(address: RobotAddress, found: dict[str, Any]) -> str:
+    """What makes an arm ready that is not; with its address, or it would be the default robot."""
     from aioduco.models.enums import ProgramState, RobotState  # noqa: PLC0415
 
-    if found["ready"]:
-        return "a motion would start"
+    arm = host_port(address.host, address.port)
     if found["emergency_stop"]:
-        return "no: release the emergency stop, then `aioduco recover`"
+        return f"release the emergency stop, then `aioduco recover {arm}`"
     if found["collision_joint"] is not None:
-        return "no: see that the arm is free, then `aioduco recover`"
+        return f"see that the arm is free, then `aioduco recover {arm}`"
     if found["robot"] in (RobotState.POWER_OFF, RobotState.DISABLE):
-        return "no: `aioduco bring-up` switches the arm on"
+        return f"`aioduco bring-up {arm}` switches the arm on"
     return {
-        ProgramState.PAUSED: "no, paused: `aioduco resume` goes on, `aioduco stop` ends it",
-        ProgramState.PAUSING: "no, it is being paused",
-        ProgramState.RUNNING: "no, a program runs: `aioduco stop` ends it",
-        ProgramState.TASK_RUNNING: "no, a motion runs: `aioduco stop` ends it",
-    }.get(found["program"], "no, see the states; `aioduco recover` leads out of most stops")
+        ProgramState.PAUSED: f"`aioduco resume {arm}` goes on, `aioduco stop {arm}` ends it",
+        ProgramState.PAUSING: "it is being paused",
+        ProgramState.RUNNING: f"a program runs: `aioduco stop {arm}` ends it",
+        ProgramState.TASK_RUNNING: f"a motion runs: `aioduco stop {arm}` ends it",
+    }.get(found["program"], f"see the states; `aioduco recover {arm}` leads out of most stops")
 
 
 def degrees(angles: Sequence[float]) -> list[str]:
