@@ -361,7 +361,7 @@ def standing() -> Iterator[Simulator]:
         ("move joints 0 0 1.57 0 -1.57 0 --speed 50", "speed is 50.0"),
         ("move joints 90 0 0 0 0 0", "(radians, not degrees)"),
         ("move pose inf 0 0 0 0 0", "x is inf"),
-        ("move pose 0 0 -50 0 0 0 --by", "(millimetres?)"),
+        ("move pose 0 0 -50 0 0 0 --by", "a finite number in m, and within"),
         ("move pose 0 0 0 0 0 0 --by --acceleration nan", "acceleration is nan"),
         ("jog z + --step 50", "(millimetres?)"),
         ("io set 5 on --tool", "number is 5"),

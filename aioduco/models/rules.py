@@ -136,7 +136,7 @@ class Number(Rule):
     def _words(self) -> str:
         above, below = self.low > -math.inf, self.high < math.inf
         if not above and not below:
-            return "a finite number"
+            return "a finite number in" if self.unit else "a finite number"
         if not above:
             return f"a number of at most {shown(self.high)}"
         if self.open_low:
