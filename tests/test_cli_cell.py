@@ -6,7 +6,7 @@ import socket
 from pathlib import Path
 
 import pytest
-from test_cli import run
+from test_cli import process, run
 from test_cli_robot import ready_arm
 from typer.testing import Result
 
@@ -147,6 +147,20 @@ def test_a_simulated_robot_of_a_cell_is_where_its_programs_look_for_it(tmp_path:
         port = taken.getsockname()[1]
         file.write_text(TEXT.format(host="127.0.0.1", port=port), encoding="utf-8")
         assert f"cannot listen on 127.0.0.1:{port}" in told(run("sim", "--cell", str(file)))
+
+
+@pytest.mark.slow
+def test_a_simulator_says_that_programs_of_its_cell_go_to_the_arm(tmp_path: Path) -> None:
+    file = written(tmp_path)  # with the address of an arm
+    with process("sim", "--cell", str(file), "--port", "0") as sim:
+        assert sim.stderr is not None
+        assert "move the arm at 192.0.2.1:7003, and not this one" in sim.stderr.readline()
+    file.write_text(file.read_text("utf-8").replace("192.0.2.1", "127.0.0.1"), encoding="utf-8")
+    with process("sim", "--cell", str(file), "--port", "0") as sim:
+        assert sim.stdout is not None
+        sim.stdout.readline()
+        sim.terminate()
+        assert sim.communicate(timeout=20)[1] == ""
 
 
 @pytest.mark.slow

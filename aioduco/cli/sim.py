@@ -29,6 +29,7 @@ from aioduco.models.address import PORT
 from aioduco.models.host_port import host_port
 
 if TYPE_CHECKING:
+    from aioduco.planning.cell import CellRobot
     from aioduco.sim.server.generations import Generation
 
 
@@ -89,8 +90,9 @@ def sim(
         mounting=mounting_option(mounting),
         pedestal=pedestal,
     )
+    listed = _listed(cell, robot)
     if port is None:
-        port = _usual_port(cell, robot)
+        port = PORT if listed is None else listed.port
     if render is not None and render.suffix not in picture.KINDS:
         raise typer.BadParameter(f"its name must end in {' or '.join(picture.KINDS)}")
     require_writable("--render", render)
@@ -142,13 +144,23 @@ def sim(
                 where += f", forces from UDP {simulator.force_port}"
             where += f", commands on {lines.port}"
             say(f"simulated {simulator.arm.name} on {where}; Ctrl-C ends it")
+            _say_whom_programs_move(cell, listed, host)
             watch.until(heard)
 
 
-def _usual_port(cell: Path | None, robot: str | None) -> int:
-    """The port at which programs look for the robot: the one in the cell, if it has robots."""
+def _listed(cell: Path | None, robot: str | None) -> CellRobot | None:
+    """The robot as its programs find it in the file of the cell; None without one."""
     found = None if cell is None else load_cell(cell)
-    return found.robot(robot).port if found is not None and found.robots else PORT
+    return found.robot(robot) if found is not None and found.robots else None
+
+
+def _say_whom_programs_move(cell: Path | None, listed: CellRobot | None, host: str) -> None:
+    if listed is not None and listed.host not in (host, "127.0.0.1", "localhost"):
+        say(
+            f"programs that use {cell} move the arm at {host_port(listed.host, listed.port)}, and "
+            "not this one: for it, set `host` there to 127.0.0.1",
+            error=True,
+        )
 
 
 def _fail_taken(host: str, ports: str, error: OSError) -> NoReturn:
