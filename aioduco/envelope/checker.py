@@ -451,9 +451,9 @@ class EnvelopeChecker:
         return None
 
     def too_fast(self, speed: float) -> Crossing | None:
-        """Check a speed of the tool [m/s]; the margin is in m/s."""
+        """Check a speed of the tool [m/s], NaN if it is not known; the margin is in m/s."""
         for name, action, _, most in self._speeds:
-            if speed > most * (self.slow_share if action == "slow" else 1.0):
+            if not speed <= most * (self.slow_share if action == "slow" else 1.0):
                 return Crossing(name, "tool", self._tool_place(), most - speed, "m/s", action)
         return None
 

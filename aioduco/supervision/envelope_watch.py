@@ -4,8 +4,8 @@ Every sample in which the arm moves is judged, also while a stop of the watch is
 arm that begins to move again is stopped again. One task brings the arm to rest, whatever happens
 meanwhile.
 
-While no samples come, the watch is blind: it stops the arm if that may be moving, and nothing that
-moves it is sent.
+While no samples come, or none that say how fast the joints are, the watch is blind: it stops the
+arm if that may be moving, and nothing that moves it is sent.
 
 Where the path was checked before it was sent, only an arm that is beyond a limit by more than it
 may lag behind its set-points is stopped.
@@ -58,6 +58,7 @@ _LAG = 3e-3
 _FRESH = 0.1  # largest age of a sample that says where a moving arm is [s]
 _LOOK_EVERY = 0.02  # time between two looks whether samples come [s]
 _MOST_CHECKERS = 8  # checkers that are kept, each for a tool
+_NO_SPEEDS = "the controller does not report the speed of each joint"
 #: factor by which a controller may exceed the requested tool speed
 _OVERSHOOT = 1.05
 #: force by which a force that is too large may vary without growing [N], and as a share of it
@@ -116,6 +117,8 @@ class EnvelopeWatch:
         self._checkers: dict[tuple[Pose, bool], EnvelopeChecker] = {}
         self._running = False
         self._silence = Silence(_LOOK_EVERY)
+        #: whether the newest sample says how fast each joint is
+        self._has_speeds = True
         #: whether the tool in use is being read
         self._reading = False
         #: speed of the fastest joint in the last sample [rad/s]
@@ -195,19 +198,25 @@ class EnvelopeWatch:
 
     @property
     def _blind(self) -> bool:
-        """Whether no samples come, although an envelope is to be watched."""
-        return self.envelope is not None and self._silence.seconds > self._feed.silence_limit
+        """Whether no samples come that can be judged, although an envelope is to be watched."""
+        silent = self._silence.seconds > self._feed.silence_limit
+        return self.envelope is not None and (silent or not self._has_speeds)
 
     def require_samples(self, name: str) -> None:
         """Check that the state is watched, before `name` is sent, which may move the arm.
 
         Raises:
-            StaleState: no samples come; nothing was sent.
+            StaleState: no samples come, or none with joint speeds; nothing was sent.
         """
         if self._blind:
             raise StaleState(f"{name} was not sent, since {self._unwatched()}")
 
     def _unwatched(self) -> str:
+        if not self._has_speeds:
+            return (
+                f"the envelope is not watched: {_NO_SPEEDS}. Set robot.envelope to None for an arm "
+                "that cannot report them"
+            )
         error = self._feed.error
         return (
             f"the envelope is not watched: no sample of the state came for "
@@ -224,7 +233,8 @@ class EnvelopeWatch:
                 told = False
             elif not self._stopping and await self._may_move():
                 why = StaleState(f"the arm was stopped, since {self._unwatched()}")
-                seconds, reason = self._silence.seconds, str(self._feed.error or "")
+                seconds = self._silence.seconds
+                reason = str(self._feed.error or "") if self._has_speeds else _NO_SPEEDS
                 event = EnvelopeUnwatched(time.monotonic(), seconds, reason)
                 await self._stop(why, None if told else event, 0.0)
                 told = True
@@ -242,7 +252,10 @@ class EnvelopeWatch:
     # -- samples -------------------------------------------------------------------------------
 
     async def _judge(self, envelope: Envelope, sample: Snapshot) -> None:
-        fastest = max(map(abs, sample.status.joint_speeds.tolist()))
+        fastest = max(map(abs, speeds := sample.status.joint_speeds.tolist()))
+        self._has_speeds = all(map(math.isfinite, speeds))
+        if not self._has_speeds:
+            return  # whether it moves is not known, and where to
         found = self._force(envelope, sample, fastest) or await self._place(
             envelope, sample, fastest
         )

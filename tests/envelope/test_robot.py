@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import AsyncIterator
+from dataclasses import replace
 from types import SimpleNamespace
-from typing import NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import anyio
 import numpy as np
@@ -28,6 +29,7 @@ from aioduco.envelope.checker import EnvelopeChecker
 from aioduco.models.realtime import RealtimePoint
 from aioduco.sim import Simulator
 from aioduco.sim.handlers.frames import FrameHandlers
+from aioduco.sim.handlers.state import StateHandlers
 from aioduco.streaming.shared.words import Reason
 from aioduco.streaming.stream import Stream
 from aioduco.supervision.concurrency import Silence
@@ -421,6 +423,49 @@ async def test_a_jog_is_stopped_before_the_wall(robot: aioduco.Robot, seen: Seen
     assert told[-1].crossing.limit == "wall"
     assert isinstance(stopped.value.__cause__, EnvelopeViolated)
     assert 0 <= least(FLAT, seen.q) < 0.09
+
+
+@pytest.mark.parametrize("gone", [[math.nan] * 6, []])
+async def test_an_arm_whose_joint_speeds_are_not_reported_is_stopped_and_not_moved(
+    robot: aioduco.Robot, seen: Seen, monkeypatch: pytest.MonkeyPatch, gone: list[float]
+) -> None:
+    robot.envelope = Envelope("gcr5_910", wall())
+    with robot.events.subscribe() as events:
+        move = robot.motion.speedl([0, 0.05, 0, 0, 0, 0], a=2.0, time=3.0, frame="base")
+        task = await move.start()
+        without(monkeypatch, jointActualVelocity=gone)
+        with pytest.raises(TaskStopped, match="does not report the speed of each joint") as stopped:
+            await task
+        told = await anext(each async for each in until(events, EnvelopeUnwatched))
+    assert "speed of each joint" in told.reason
+    assert isinstance(stopped.value.__cause__, StaleState)
+    assert least(FLAT, seen.q) >= 0
+    with pytest.raises(StaleState, match=r"movej2 was not sent.*speed of each joint.*to None"):
+        await robot.motion.movej2(turned(0.1), v=1.0, a=5.0)
+    monkeypatch.undo()
+    await eventually_async(lambda: not robot.tasks)
+    sample = (await robot.feed.latest()).sequence
+    await robot.wait_for(lambda state: state.sequence > sample + 2, timeout=5.0)
+    await robot.motion.movej2(turned(0.1), v=1.0, a=5.0)
+
+
+async def test_a_tool_speed_that_is_not_reported_stops_what_was_not_checked(
+    robot: aioduco.Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    robot.envelope = Envelope("gcr5_910", ToolSpeed(0.5))
+    move = robot.motion.speedl([0, 0.02, 0, 0, 0, 0], a=2.0, time=3.0, frame="base")
+    task = await move.start()
+    without(monkeypatch, cartActualVelocity=[])
+    with pytest.raises(TaskStopped, match=r"'tool speed': tool .*has a value that the c"):
+        await task
+
+
+def without(monkeypatch: pytest.MonkeyPatch, **gone: Any) -> None:
+    """Let the controller not report some numbers of its status."""
+    tell = StateHandlers.getRobotStatus
+    monkeypatch.setattr(
+        StateHandlers, "getRobotStatus", lambda handlers: replace(tell(handlers), **gone)
+    )
 
 
 @pytest.mark.parametrize("wanted", [True, False])
