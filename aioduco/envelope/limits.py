@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import combinations_with_replacement
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias, get_args
 
 from aioduco.errors import Described, ParameterError
@@ -32,6 +33,8 @@ _SIZES = {"box": 3, "sphere": 1, "plane": 3}
 _FASTEST = 20.0
 
 
+#: by which a unit vector or a rotation matrix may differ from one
+_EXACT = 1e-6
 #: margin that is printed as none
 _AT = 0.5e-4
 
@@ -126,11 +129,17 @@ class Zone(EnvelopeLimit):
         one_of("keep", self.keep, ("in", "out"))
         # also after dataclasses.replace: a zone with NaN would hold nothing
         object.__setattr__(self, "at", _place("at", self.at, 3))
-        size = _numbers("size", self.size, _SIZES[self.shape])
-        for each in size if self.shape != "plane" else ():
-            _positive("size", each, "m")
+        if self.shape == "plane":
+            size = _unit("size", self.size)
+            if self.keep != "in":
+                wanted = '"in": the side to which its normal points; turn the normal for the other'
+                raise ParameterError("keep", self.keep, wanted)
+        else:
+            size = _numbers("size", self.size, _SIZES[self.shape])
+            for each in size:
+                _positive("size", each, "m")
         object.__setattr__(self, "size", size)
-        object.__setattr__(self, "turn", _numbers("turn", self.turn, 9))
+        object.__setattr__(self, "turn", _rows("turn", self.turn))
         object.__setattr__(self, "bodies", _bodies(self.bodies))
 
     def _what(self) -> str:
@@ -225,13 +234,8 @@ class Zone(EnvelopeLimit):
         Raises:
             ParameterError: an argument has a wrong type or value.
         """
-        along = _numbers("normal", normal, 3)
-        length = math.hypot(*along)
-        if not length > 0.0:
-            raise ParameterError("normal", normal, "three numbers that are not all 0")
-        size = tuple(each / length for each in along)
         return cls(
-            shape="plane", keep="in", at=_place("point", point, 3), size=size,
+            shape="plane", keep="in", at=_place("point", point, 3), size=_unit("normal", normal),
             bodies=_bodies(bodies), action=action, speed=speed, name=name,
         )  # fmt: skip
 
@@ -401,6 +405,26 @@ def _numbers(name: str, values: Any, *counts: int) -> tuple[float, ...]:
     if len(given) not in counts or isinstance(values, Joints):
         raise ParameterError(name, values, wanted)
     return tuple(FINITE(name, each) for each in given)
+
+
+def _unit(name: str, values: Any) -> tuple[float, ...]:
+    """A direction as a unit vector: a longer one would stretch all distances."""
+    along = _numbers(name, values, 3)
+    length = math.hypot(*along)
+    if not length > 0.0:
+        raise ParameterError(name, values, "three numbers that are not all 0")
+    same = abs(length - 1.0) < _EXACT  # else it would change by rounding, each time it is copied
+    return along if same else tuple(each / length for each in along)
+
+
+def _rows(name: str, values: Any) -> tuple[float, ...]:
+    """A rotation matrix by rows: any other matrix would stretch all distances."""
+    numbers = _numbers(name, values, 9)
+    rows = numbers[:3], numbers[3:6], numbers[6:]
+    for i, j in combinations_with_replacement(range(3), 2):
+        if abs(sum(a * b for a, b in zip(rows[i], rows[j], strict=True)) - (i == j)) > _EXACT:
+            raise ParameterError(name, values, "the nine numbers of a rotation matrix, by rows")
+    return numbers
 
 
 def _place(name: str, values: Any, *counts: int) -> tuple[float, ...]:

@@ -186,6 +186,9 @@ def test_a_crossing_says_what_and_where() -> None:
         lambda: replace(SPHERE, shape="ball"),  # type: ignore[arg-type]  # it is refused
         lambda: replace(SPHERE, shape="box"),
         lambda: replace(Zone.box((0, 0, 0), (1, 1, 1)), turn=(1.0, 0.0, 0.0)),
+        lambda: replace(Zone.box((0, 0, 0), (1, 1, 1)), turn=(2.0, 0, 0, 0, 2.0, 0, 0, 0, 2.0)),
+        lambda: replace(Zone.plane((0, 0, 0), (0, 0, 1)), size=(0.0, 0.0, 0.0)),
+        lambda: replace(Zone.plane((0, 0, 0), (0, 0, 1)), keep="out"),
         lambda: ToolSpeed(0.0),
         lambda: ToolSpeed(0.1, action="ignore"),  # type: ignore[arg-type]  # it is refused
         lambda: SingularityMargin(1.5),
@@ -198,6 +201,13 @@ def test_a_crossing_says_what_and_where() -> None:
 def test_what_is_no_limit_is_refused(make: Any) -> None:
     with pytest.raises(ParameterError):
         make()
+
+
+def test_the_normal_of_a_changed_plane_has_length_one_too() -> None:
+    plane = Zone.plane((0, 0, 0), (0, 0, 1))
+    assert replace(plane, size=(0, 0, 10)) == plane
+    slanted = Zone.plane((0, 0, 0), (1, 2, 3))
+    assert replace(slanted, name="") == slanted
 
 
 @pytest.mark.parametrize(
