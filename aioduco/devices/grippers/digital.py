@@ -152,6 +152,7 @@ class DigitalGripper(OutputGripper):
         steps = [(close, closing)] if opening is None else sorted(
             [(close, closing), (opening, not closing)], key=lambda step: step[1]
         )  # fmt: skip
+        self._closed = None  # not known if a command fails or is cancelled, and may be carried out
         for output, value in steps:
             await self._set(output, value)
         self._closed, self._sent_at = closing, time.monotonic()

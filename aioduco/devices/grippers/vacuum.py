@@ -95,14 +95,15 @@ class VacuumGripper(OutputGripper):
 
     async def _go(self, width: float, speed: float, force: float) -> None:
         del speed, force
-        self._sucking = width == 0.0
-        if self._sucking and self._blow_off is not None:
+        sucking = width == 0.0
+        self._sucking = None  # not known if a command fails or is cancelled, and may be carried out
+        if sucking and self._blow_off is not None:
             await self._set(self._blow_off, value=False)
-        await self._set(self._suction, self._sucking)
-        self._sent_at = time.monotonic()
-        if not self._sucking and self._blow_off is not None:
-            await self._set(self._blow_off, value=True)
+        await self._set(self._suction, sucking)
+        self._sucking, self._sent_at = sucking, time.monotonic()
+        if not sucking and self._blow_off is not None:
             try:
+                await self._set(self._blow_off, value=True)
                 await anyio.sleep_until(anyio.current_time() + self._blow_time)
             finally:
                 with anyio.CancelScope(shield=True):

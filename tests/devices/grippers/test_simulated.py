@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
+import time
+from types import SimpleNamespace
 from typing import Any
 
+import anyio
 import numpy as np
 import pytest
 from example_modules import example
@@ -251,3 +254,47 @@ async def test_the_example_of_a_dh_gripper(capsys: pytest.CaptureFixture[str]) -
     assert empty == "holds something: False"
     # the fingers still swing by parts of a millimetre when they meet
     assert 0.0 <= float(apart.removeprefix("the fingers are ").removesuffix(" mm apart")) < 1.0
+
+
+class Outputs:
+    """Stands for a robot: it has switched an output when the answer is lost, or cancelled."""
+
+    def __init__(self, lost: int = 0) -> None:
+        self.on: dict[int, bool] = {}
+        self.lost = lost
+        self.io = self.feed = self
+
+    async def set_standard_digital_out(self, num: int, value: bool) -> None:
+        self.on[num] = value
+        if num == self.lost:
+            self.lost = 0
+            await anyio.sleep(math.inf)
+
+    async def latest(self, *, max_age: float) -> Any:
+        del max_age
+        return SimpleNamespace(io=SimpleNamespace(received_at=time.monotonic()))
+
+
+async def test_a_blow_off_that_is_cancelled_as_it_begins_is_switched_off() -> None:
+    outputs: Any = Outputs(2)
+    async with VacuumGripper(outputs, 1, blow_off=2) as cup:
+        with anyio.move_on_after(0.05):
+            await cup.open()
+    assert outputs.on == {1: False, 2: False}
+
+
+@pytest.mark.parametrize("held", [True, False])
+async def test_a_cancelled_command_leaves_a_state_that_is_not_known(held: bool) -> None:
+    outputs: Any = Outputs()
+    gripper: Any = (
+        VacuumGripper(outputs, 1, build_up=0.01)
+        if held
+        else DigitalGripper(outputs, 1, travel_time=0.01)
+    )
+    async with gripper:
+        await (gripper.close() if held else gripper.open())
+        outputs.lost = 1
+        with anyio.move_on_after(0.05):
+            await (gripper.open() if held else gripper.close())
+        state = await gripper.read()
+        assert (state.width, state.holding) == (None, None)
