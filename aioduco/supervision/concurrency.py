@@ -158,6 +158,11 @@ class Alarm:
         self._rung = False
         self._waiter: asyncio.Future[None] | None = None
 
+    @property
+    def awaited(self) -> bool:
+        """Whether a task waits: there is room for one."""
+        return self._waiter is not None and not self._waiter.done()
+
     def ring(self) -> None:
         """Wake the task that waits, or the next one that will wait; on the event loop."""
         self._rung = True
@@ -181,7 +186,8 @@ class Alarm:
         try:
             await waiter
         finally:
-            self._waiter, self._rung = None, False
+            if self._waiter is waiter:
+                self._waiter, self._rung = None, False
             if timer is not None:
                 timer.cancel()
 

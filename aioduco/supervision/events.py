@@ -13,6 +13,7 @@ from aioduco.errors import DucoError, RobotStateError
 from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState
 from aioduco.supervision.concurrency import BackgroundTasks, every
 from aioduco.supervision.state_feed import Policy, Snapshot, StateFeed, Subscription
+from aioduco.supervision.task_state import added_entries
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -161,7 +162,7 @@ class ErrorsChanged(Event):
 
     Attributes:
         errors: the list now.
-        added: entries that were not in it before.
+        added: entries that it has gained, also those that it had before.
     """
 
     errors: tuple[str, ...]
@@ -418,8 +419,7 @@ class Events(Uncopied):
             return
         before, self._errors = self._errors, errors
         if before is not None and errors != before:
-            added = tuple(error for error in errors if error not in before)
-            self.tell(ErrorsChanged(time.monotonic(), errors, added))
+            self.tell(ErrorsChanged(time.monotonic(), errors, added_entries(before, errors)))
 
     async def _watch_lines(self) -> None:
         heartbeat = self._heartbeat()

@@ -130,6 +130,12 @@ class Subscription(Uncopied, Generic[T]):
         return self
 
     async def __anext__(self) -> T:
+        """Wait for the next item.
+
+        Raises:
+            FeedOverflow: items were dropped here.
+            RobotStateError: the robot was closed, or another task waits for the next item.
+        """
         self._owner_loop.require("the next item")
         if self._items or self._overflown:
             # else the wait below is a checkpoint
@@ -137,6 +143,11 @@ class Subscription(Uncopied, Generic[T]):
         while not (self._items or self._overflown):
             if self._over is not None:
                 raise self._over
+            if self._there.awaited:  # it would not be woken any more
+                raise RobotStateError(
+                    "another task waits for the next item of this subscription, which is for one "
+                    "reader: subscribe once for each"
+                )
             await self._there.wait()
         return self.take()
 

@@ -235,6 +235,27 @@ async def some(events: Subscription[Event], *kinds: type[Event]) -> dict[type[Ev
     return seen
 
 
+async def test_an_error_that_comes_again_is_a_new_one(bench: Bench, robot: aioduco.Robot) -> None:
+    bench.errors = ["joint 3: overload"]
+    with robot.events.subscribe() as events:
+        await eventually_async(lambda: bool(bench.received("get_last_error")))
+        bench.errors = ["joint 3: overload"] * 2
+        changed = (await some(events, changes.ErrorsChanged))[changes.ErrorsChanged]
+    assert (changed.added, changed.severity) == (("joint 3: overload",), "warning")
+
+
+async def test_a_second_reader_of_one_subscription_is_told_and_the_first_goes_on(
+    robot: aioduco.Robot,
+) -> None:
+    with robot.events.subscribe() as events:
+        async with anyio.create_task_group() as group:
+            group.start_soon(anext, events)
+            await anyio.wait_all_tasks_blocked()
+            with pytest.raises(aioduco.RobotStateError, match="subscribe once for each"):
+                await anext(events)
+            robot.events.tell(changes.CollisionReset(0.0))
+
+
 async def test_events_of_the_state(bench: Bench, robot: aioduco.Robot) -> None:
     with robot.events.subscribe() as events:
         assert repr(robot.events) == "<Events 1 subscribers>"
