@@ -101,12 +101,15 @@ class BringUp:
     Args:
         end_programs: whether to end a running program; if not, a person has to end it.
         call: name of the method that a person calls again afterwards, for messages.
+
+    Attributes:
+        call: the same name.
     """
 
     def __init__(self, *, end_programs: bool = False, call: str = "bring_up") -> None:
         self._asked: set[BringUpStep] = set()
         self._end_programs = end_programs
-        self._call = call
+        self.call = call
 
     def has_taken(self, *steps: BringUpStep) -> bool:
         """Whether one of these steps was returned."""
@@ -145,7 +148,7 @@ class BringUp:
                 raise RobotStateError(
                     "a motion or a program is paused, perhaps by another program: continue it by "
                     "robot.resume(), or end it by robot.stop() or robot.recover(), then call "
-                    f"{self._call}() again. Nothing was done to it"
+                    f"{self.call}() again. Nothing was done to it"
                 )
             step = BringUpStep.STOP
         elif states.robot is RobotState.ENABLE and states.program is ProgramState.STOPPED:
@@ -159,7 +162,7 @@ class BringUp:
         return step
 
     def _raise_if_person_needed(self, states: RobotStates, emergency_stop: bool) -> None:
-        again = f"then call {self._call}() again"
+        again = f"then call {self.call}() again"
         if emergency_stop:
             raise PersonNeeded(
                 "an emergency stop is pressed: see that nobody is near the arm, release the "
@@ -215,7 +218,7 @@ async def _go(supervisor: Supervisor, decide: BringUp, timeout: float) -> Recove
                     sensor_tared=decide.has_taken(BringUpStep.POWER_OFF, BringUpStep.ENABLE),
                 )
             if step is not BringUpStep.WAIT:
-                await _carry_out(supervisor, step, states, until - time.monotonic())
+                await _carry_out(supervisor, step, states, until - time.monotonic(), decide.call)
                 ticker.restart()
     raise RobotStateError(
         f"the robot is not ready after {timeout:g} s: {seen}; {await _errors(supervisor)}. Look at "
@@ -224,7 +227,7 @@ async def _go(supervisor: Supervisor, decide: BringUp, timeout: float) -> Recove
 
 
 async def _carry_out(
-    supervisor: Supervisor, step: BringUpStep, states: RobotStates, left: float
+    supervisor: Supervisor, step: BringUpStep, states: RobotStates, left: float, call: str
 ) -> None:
     dispatcher, rpc = supervisor.dispatcher, supervisor.calls.rpc
     try:
@@ -240,7 +243,7 @@ async def _carry_out(
         raise RobotStateError(
             f"the controller did not {step.name.lower()} ({states}): {exc}; "
             f"{await _errors(supervisor)}. Is an emergency stop or a protective stop active? "
-            "Clear it, then call bring_up() again"
+            f"Clear it, then call {call}() again"
         ) from exc
 
 

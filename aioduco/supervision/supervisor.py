@@ -364,7 +364,7 @@ class Supervisor:
             raise RobotStateError(
                 f"nothing was sent: this program was started in place of {started}, since its "
                 "executable is no Python interpreter; connect without a guard, and open streams "
-                'with lane="thread"'
+                'with run_in="thread"'
             )
         prepare(WAY_OUT)
         # Before the first beat, which uses it to judge whether the event loop hangs.

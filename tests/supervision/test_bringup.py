@@ -234,9 +234,10 @@ async def test_a_step_that_the_controller_does_not_take(robot: aioduco.Robot, be
 
     bench.answer("power_off", failing)
     with pytest.raises(
-        aioduco.RobotStateError, match=r"did not power_off.*E-stop.*Is an emergency stop"
+        aioduco.RobotStateError,
+        match=r"did not power_off.*E-stop.*Is an emergency stop.*call recover\(\) again",
     ) as caught:
-        await robot.bring_up()
+        await robot.recover()
     assert isinstance(caught.value.__cause__, aioduco.TaskIllegal)
 
 
