@@ -809,6 +809,7 @@ class Robot(Uncopied, ManualNames, MisspeltRefused):
             Whether anything was paused, as far as the controller says it. If not, nothing changes.
 
         Raises:
+            StaleState: the envelope is not watched; nothing was sent.
             TaskError: the controller did not resume.
 
         Manual section 1.3.3.

@@ -93,6 +93,8 @@ class StopCoordinator:
             before the arm is brought to rest.
         closed: whether the connections are closed, so that nothing can be sent any more.
         worker_died: whether a stream's worker has died, perhaps with a set-point on its way.
+        require_samples: called with the name of what resumes; raises while an envelope is not
+            watched.
     """
 
     def __init__(
@@ -119,6 +121,7 @@ class StopCoordinator:
         self.streams: list[OpenStream] = []
         self.closed: bool = False
         self.worker_died: bool = False
+        self.require_samples: Callable[[str], object] = lambda _: None
         #: number of stops that were requested when the last one that was confirmed began
         self._confirmed = 0
 
@@ -616,10 +619,14 @@ class StopCoordinator:
 
         Returns:
             Whether anything was paused, as far as that is known.
+
+        Raises:
+            StaleState: there is an envelope, and it is not watched; nothing was sent.
         """
         permit = self.permits.ask("resume")
         await self.permits.after_stops(permit)
         paused = await self._paused()
+        self.require_samples("resume")
         self.permits.check(permit)
         self.liveness.will_move("resume")
         # Motions of other programs are resumed, too, and are this program's from now on.

@@ -203,9 +203,9 @@ class Supervisor:
             lambda: self.heartbeat.state if self.heartbeat else HeartbeatState.OFF,
         )
         arm = self.stop_coordinator, self.rpc, self.feed
-        self.envelope: EnvelopeKeeper = EnvelopeKeeper(
-            *arm, EnvelopeWatch(*arm, self.events, self._background, settings)
-        )
+        watch = EnvelopeWatch(*arm, self.events, self._background, settings)
+        self.envelope: EnvelopeKeeper = EnvelopeKeeper(*arm, watch)
+        self.stop_coordinator.require_samples = watch.require_samples
         self.dispatcher.check = self.envelope.check
         self.dispatcher.require_opened = self._require_opened
         self.dispatcher.check_software = self._check_software

@@ -6465,6 +6465,7 @@ class Robot(RobotLifecycle, ManualNames):
             Whether anything was paused, as far as the controller says it. If not, nothing changes.
 
         Raises:
+            StaleState: the envelope is not watched; nothing was sent.
             TaskError: the controller did not resume.
 
         Manual section 1.3.3.

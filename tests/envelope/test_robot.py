@@ -391,6 +391,20 @@ async def test_an_arm_that_another_program_moves_is_stopped_when_no_samples_come
         await move
 
 
+async def test_a_motion_is_not_resumed_when_no_samples_come(
+    beside: Beside, robot: aioduco.Robot
+) -> None:
+    task = await robot.motion.movej2(turned(-3.0), v=0.02, a=1.0).start()
+    await robot.pause()
+    beside.kill_feed()
+    await eventually_async(lambda: watch_of(beside.robot)._blind)
+    with pytest.raises(StaleState, match="resume was not sent, since the envelope is not watched"):
+        await beside.robot.resume()
+    assert not beside.proxy.calls("resume")
+    assert not task.done
+    await robot.stop()
+
+
 @pytest.mark.slow
 async def test_a_standing_arm_is_not_stopped_when_no_samples_come(beside: Beside) -> None:
     beside.kill_feed()
