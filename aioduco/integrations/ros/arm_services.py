@@ -198,9 +198,21 @@ class ArmServices:
                 )
                 await force.fc_start()
                 self._force_mode = True
-                await force.fc_move().start()
+                try:
+                    await force.fc_move().start()
+                except DucoError as error:
+                    await self._end_force_control(error)
+                    raise
 
         return await self._unless_busy(run, "the arm gives way")
+
+    async def _end_force_control(self, error: DucoError) -> None:
+        """End force control in which the arm was not moved: it would yield in its next motion."""
+        try:
+            await self._robot.force.fc_stop()
+        except DucoError:
+            raise DucoError(f"{error}. Force control is on: call stop_force_mode") from error
+        self._force_mode = False
 
     async def stop_force_mode(self) -> ServiceReply:
         """End what `start_force_mode` began: the arm stands, and then ends force control."""

@@ -287,6 +287,7 @@ async def test_after_a_stop_no_service_goes_on_to_move_the_arm(
     assert not reply.success, reply.message
     assert "not sent, since the arm was stopped" in reply.message
     assert not node.robot.tasks
+    assert not await node.robot.force.fc_mode_is_active()
 
 
 @pytest.mark.slow
