@@ -16,6 +16,7 @@ from aioduco.errors import (
     DucoError,
     NotAController,
     ProtocolError,
+    StaleState,
     StopUnconfirmed,
     UnknownFunction,
 )
@@ -53,6 +54,7 @@ async def stop_arm(
         ConnectError: there is no controller; nothing was sent.
         NotAController: something else answers.
         StopUnconfirmed: it is not known that the arm stands: press the emergency stop.
+        StaleState: the arm stands; its states could not be read.
     """
     lane = WireLane("stop", host, port, connect_timeout=connect_timeout, call_timeout=call_timeout)
     # one lane for all, since nothing else is sent meanwhile; each repeat has a fresh connection
@@ -72,7 +74,11 @@ async def stop_arm(
         _, cancelled = await run_to_completion(bring_to_rest)
         if cancelled is not None:
             raise cancelled
-        return Samples().states(await lane.call("get_robot_state", ()))
+        try:
+            return Samples().states(await lane.call("get_robot_state", ()))
+        except DucoError as exc:
+            what = f"the arm was stopped, and stands; its states could not be read: {exc}"
+            raise StaleState(what) from exc
     finally:
         with anyio.CancelScope(shield=True):
             await lane.aclose()

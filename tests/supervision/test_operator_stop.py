@@ -8,7 +8,7 @@ import itertools
 import pytest
 from wire.servers import Peer, Received, Script, ScriptedServer, exception
 
-from aioduco.errors import ConnectError, NotAController, StopUnconfirmed
+from aioduco.errors import ConnectError, NotAController, StaleState, StopUnconfirmed
 from aioduco.models.enums import RobotState
 from aioduco.supervision import operator_stop, stop_channel, unanswered
 from aioduco.supervision.operator_stop import stop_arm
@@ -17,13 +17,14 @@ STATES = [6, 0, 5, 1]
 
 
 def controller(
-    *stops: int | None, moving: int = 0, before: tuple[Script, ...] = ()
+    *stops: int | None, moving: int = 0, tells: bool = True, before: tuple[Script, ...] = ()
 ) -> ScriptedServer:
     """A controller with these answers to stops, None for no answer, then 0, on all connections.
 
     Args:
         stops: its first answers.
         moving: how many polls find a moving arm, of those after an accepted stop.
+        tells: whether it answers with its states.
         before: what the first connections do instead.
     """
     left = iter(stops)
@@ -36,7 +37,7 @@ def controller(
                 peer.answer(call, value)
         elif call.name == "robotmoving":
             peer.answer(call, next(polls) < moving)
-        else:
+        elif tells:
             peer.answer(call, STATES)
 
     def script(peer: Peer) -> None:
@@ -109,6 +110,13 @@ async def test_a_cancelled_stop_goes_on_until_the_arm_stands() -> None:
         with pytest.raises(asyncio.CancelledError):
             await stopping
     assert server.names[-2:] == ["robotmoving", "robotmoving"]
+
+
+async def test_states_that_are_not_read_do_not_hide_that_the_arm_stands() -> None:
+    with controller(tells=False) as server:
+        said = "^the arm was stopped, and stands; its states could not be read: get_robot_state"
+        with pytest.raises(StaleState, match=said):
+            await stop_arm(server.host, server.port, call_timeout=0.2)
 
 
 def garbage(peer: Peer) -> None:
