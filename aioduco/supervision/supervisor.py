@@ -495,6 +495,9 @@ class Supervisor:
         self._stop_at_exit()
         if self.heartbeat is not None:
             self.heartbeat.end()
+        # One that could not be stopped stays with the guard, which stops it.
+        if self.guard is not None and (self._stopped_at_exit or not self.stop_coordinator.moving):
+            self.guard.forget()
 
     def _at_exit(self) -> None:
         self._stop_at_exit()

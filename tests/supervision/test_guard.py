@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import errno
+import gc
 import os
 import signal
 import subprocess
@@ -123,6 +124,22 @@ async def test_one_guard_for_all_robots(bench: Bench) -> None:
         await other.stop()
         assert bench.stops == 1
     eventually(lambda: not running(pid))
+
+
+@pytest.mark.filterwarnings("ignore::ResourceWarning")
+async def test_the_guard_beats_no_more_for_a_robot_that_was_dropped(bench: Bench) -> None:
+    """The controller would take the beats for a sign of life of whatever moves the arm then."""
+    with Bench() as other:
+        async with aioduco.connect(other.host, other.port, guard="process", heartbeat=0.3):
+            robot = aioduco.connect(bench.host, bench.port, guard="process", heartbeat=0.3)
+            await robot.open()
+            supervisor = robot._supervisor
+            del robot
+            gc.collect()
+            beats, seen = (len(each.received("rpc_heartbeat")) for each in (bench, other))
+            await eventually_async(lambda: len(other.received("rpc_heartbeat")) > seen + 6)
+            assert len(bench.received("rpc_heartbeat")) <= beats + 1
+            await supervisor.aclose()
 
 
 @pytest.mark.slow

@@ -200,6 +200,11 @@ class GuardClient:
         if error:
             raise ConnectError(self._host, self._port, f"the guard could not: {error}")
 
+    def forget(self) -> None:
+        """Have the guard release the robot, without waiting for it: no beat follows."""
+        if self._link is not None and self._robot:
+            self._link.tell(Release(self._robot, 0))  # no request has this token
+
     async def release(self) -> None:
         """Release the robot: the arm stands, or this program stops it."""
         link, robot = self._link, self._robot
