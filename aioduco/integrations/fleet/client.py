@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, Self
 import anyio
 
 from aioduco._process.copying import Uncopied
+from aioduco.errors import ParameterError
 from aioduco.integrations.fleet.link import FleetLink
 from aioduco.integrations.fleet.proof import challenge, proves, read_keys
 from aioduco.integrations.fleet.reports import (
@@ -165,11 +166,13 @@ class FleetClient(Uncopied):
                 which arms stand.
 
         Raises:
-            ParameterError: the time is not above 0; nothing was sent.
+            ParameterError: the time is not above 0, or no arm is named; nothing was sent.
         """
         _require_time(timeout)
         named = (arms,) if isinstance(arms, str) else arms  # its letters are no arms
         names = None if named is None else frozenset(named)
+        if names is not None and not names:  # it would be confirmed that none of them moves
+            raise ParameterError("arms", named, "names of arms, or None for all of the fleet")
         request = StopRequest(names).encode()
         riddle = challenge()
         answers: dict[str, StopReport] = {}
