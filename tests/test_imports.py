@@ -174,6 +174,7 @@ TO_STOP = FOR_ALL | {
     *("aioduco.models.enums", "aioduco.models.numpy_on_use", "aioduco.models.pose"),
     *(
         "aioduco.models.rotation",
+        "aioduco.models.quaternions",
         "aioduco.models.address",
         "aioduco.models.host_port",
         "aioduco.models.named_int",

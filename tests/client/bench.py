@@ -289,6 +289,8 @@ class Bench(RecordingServer):
             jointExpectPosition=HOME,
             cartActualPosition=POSE,
             cartExpectPosition=POSE,
+            jointActualVelocity=[0.0] * 6,
+            cartActualVelocity=[0.0] * 6,
             collision=self.collision,
             emcStopSignal=self.emergency_stop,
             robotState=self.states[0],
