@@ -191,11 +191,12 @@ class WireLane:
             raise RuntimeError(f"{self!r} can be opened once")
         loop = self._loop = self.owner_loop.require("open")
         self._open = True
-        deadline = time.monotonic() + self._endpoint.connect_timeout
+        seconds = self._endpoint.connect_timeout
         try:
-            await self._carrier(loop).open(deadline)
+            await self._carrier(loop).open(time.monotonic() + seconds)
             if self._wants_spare:
-                self._threads.keep(await connect(loop, self._endpoint, deadline))
+                spare = await connect(loop, self._endpoint, time.monotonic() + seconds)
+                self._threads.keep(spare)
         except BaseException:
             await self.aclose()
             raise

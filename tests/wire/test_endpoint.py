@@ -44,7 +44,7 @@ async def test_an_address_that_refuses_costs_no_time(names: Names) -> None:
 
 async def test_a_connection_that_was_made_while_the_loop_stood_still_is_taken() -> None:
     with ScriptedServer() as server:
-        lane = WireLane("test", server.host, server.port, connect_timeout=SHORT)
+        lane = WireLane("test", server.host, server.port, connect_timeout=SHORT, spare=True)
         opening = asyncio.ensure_future(lane.open())
         while not opening.done():
             await asyncio.sleep(0)
