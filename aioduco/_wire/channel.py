@@ -447,7 +447,7 @@ class Channel(Carrier):
             self._lost(exc)
             return
         self.life.complete()
-        answer = exchange.answer
+        answer = exchange.take()
         if exchange.surplus or self._rest:
             self._drop("bytes came behind an answer")  # the answer itself is valid
         self._end(answer.value, answer.error)

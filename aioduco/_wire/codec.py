@@ -350,11 +350,15 @@ class Exchange:
         """Whether bytes came behind the replies: they belong to no call."""
         return len(self._data) > self.end
 
-    @property
-    def answer(self) -> ReadResult:
-        """The answer to the call; of a batch, the value is the list of its answers."""
-        first, *further = self._answers
-        return ReadResult(self._answers, None, first.at) if further else first
+    def take(self) -> ReadResult:
+        """Return the answer to the call; of a batch, the value is the list of its answers.
+
+        It is not kept: the traceback of an error that is raised has the frames of its callers, and
+        so a robot that its program drops then would never be freed.
+        """
+        answers, self._answers = self._answers, []
+        first, *further = answers
+        return ReadResult(answers, None, first.at) if further else first
 
 
 def _text(value: Any) -> Any:

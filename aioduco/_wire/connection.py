@@ -287,7 +287,7 @@ class Connection:
         self._life.answering()
         while not self._exchange.receive(data):
             data = stream.receive(deadline)
-        return self._exchange.answer
+        return self._exchange.take()
 
     def _failure(self, function: idl.Function, exc: BaseException) -> BaseException:
         """Poison the connection and choose the error for the caller; only this method does so."""

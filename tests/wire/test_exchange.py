@@ -28,7 +28,7 @@ def test_answers_to_a_batch_are_told_apart_in_one_piece_and_in_many(size: int) -
     assert exchange.receive(pieces[-1])
     assert not exchange.expects
     assert not exchange.surplus
-    pose, version, moving = exchange.answer.value
+    pose, version, moving = exchange.take().value
     assert (pose.value, moving.value, pose.at) == ([0.5] * 6, True, 1.5)
     assert "busy" in str(version.error)
 
