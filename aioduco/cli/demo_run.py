@@ -623,8 +623,13 @@ def run(
 def _performed(
     host: str, port: int, plan: Choreography, shown: Demonstration, clock: Clock | None = None
 ) -> signal.Signals | None:
+    if clock is None:
+        robot = aioduco.connect(host, port, state_rate=_SAMPLES)
+    else:  # a simulated arm, which can hurt nobody: a busy computer may stand still for a while
+        robot = aioduco.connect(
+            host, port, state_rate=_SAMPLES, clock=clock, heartbeat=20.0, loop_stall_limit=15.0
+        )
     try:
-        robot = aioduco.connect(host, port, state_rate=_SAMPLES, clock=clock)
         return anyio.run(perform, robot, plan, shown)
     finally:
         if shown.live is not None:
