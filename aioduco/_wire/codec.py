@@ -163,6 +163,11 @@ class ReplyReader:
         self.length = self._scanner.position
         return whole
 
+    @property
+    def known(self) -> bool:
+        """Whether the whole reply has a layout received before: decoding it cannot fail."""
+        return self._read is not None
+
     def _is_known(self, data: bytes | bytearray) -> bool:
         """Whether this begins with a whole reply to this call, of a layout received before."""
         if not data.startswith(self._head):
@@ -248,14 +253,22 @@ class ReadResult(NamedTuple):
     """The answer to a call.
 
     Attributes:
-        value: the result; None if there is an error.
+        reply: the result, or the bytes from which `read` decodes it; None if there is an error.
         error: the error with which the controller answered; None if there is a result.
         at: time of `time.monotonic()` at which the answer had arrived.
+        read: decodes a reply of a batch, when its value is used. If those of a hundred robots came
+            at once, all their lists would exist at once, and Python would search them for garbage.
     """
 
-    value: Any
+    reply: Any
     error: ControllerError | None
     at: float
+    read: Callable[[bytes | bytearray], Any] | None = None
+
+    @property
+    def value(self) -> Any:
+        """The result; None if there is an error."""
+        return self.reply if self.read is None else self.read(self.reply)
 
     def get(self) -> Any:
         """Return the result.
@@ -334,13 +347,16 @@ class Exchange:
             reader = self._readers[0]
             if not rest or not reader.whole(rest):
                 return False
-            value, error = None, None
+            value, error, read = None, None, None
             try:
-                value = reader.value(rest)
+                if reader.known and len(self._answers) + len(self._readers) > 1:
+                    value, read = rest, reader.value
+                else:
+                    value = reader.value(rest)
             except ControllerError as exc:
                 # without the traceback: it refers to this frame, which makes a reference cycle
                 error = exc.with_traceback(None)
-            self._answers.append(ReadResult(value, error, self._clock()))
+            self._answers.append(ReadResult(value, error, self._clock(), read))
             self.end += reader.length
             del self._readers[0]
         return True

@@ -349,9 +349,10 @@ class WireLane:
         except BaseException as exc:
             self.report(names[0], (), None, exc, begin)
             raise
-        for name, answer in zip(names, answers, strict=True):
-            self.report(name, (), answer.value, answer.error, begin, answer.at)
-            begin = answer.at
+        if self._trace is not None or self.observers:
+            for name, answer in zip(names, answers, strict=True):
+                self.report(name, (), answer.value, answer.error, begin, answer.at)
+                begin = answer.at
         return answers
 
     def call_from_thread(

@@ -165,11 +165,7 @@ def _builder(shape: Any, places: list[_Where]) -> Callable[[tuple[Any, ...]], An
     """
 
     def build(numbers: tuple[Any, ...]) -> Any:
-        return shape(
-            *[
-                numbers[where] if isinstance(where, int) else list(numbers[where])
-                for where in places
-            ]
-        )
+        # slices of a list are lists already
+        return shape(*map(list(numbers).__getitem__, places))
 
     return build
