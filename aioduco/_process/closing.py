@@ -6,9 +6,9 @@ from abc import abstractmethod
 from typing import Self
 
 import anyio
-import anyio.to_thread
 
 from aioduco._process.copying import Uncopied
+from aioduco._process.threads import in_thread
 
 
 class Closable(Uncopied):
@@ -29,7 +29,7 @@ class Closable(Uncopied):
 
     async def __aexit__(self, *_: object) -> None:
         with anyio.CancelScope(shield=True):
-            await anyio.to_thread.run_sync(self.close)
+            await in_thread(self.close)
 
 
 class Startable(Closable):
@@ -43,4 +43,4 @@ class Startable(Closable):
         return self.start()
 
     async def __aenter__(self) -> Self:
-        return await anyio.to_thread.run_sync(self.start)
+        return await in_thread(self.start)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 import anyio
-import anyio.to_thread
 import numpy as np
 
+from aioduco._process.threads import in_thread
 from aioduco.errors import FirstPointTooFar, ParameterError, PlanObstructed
 from aioduco.models.ranges import JOINT_SPEED
 from aioduco.planning.scene import Scene, require_scene
@@ -141,7 +141,7 @@ async def _checked(plan: Plan, scene: Scene, after: float) -> None:
 
 
 async def _check(plan: Plan, scene: Scene, after: float) -> PlanCheck:
-    return await anyio.to_thread.run_sync(lambda: plan.check(scene, after=after))
+    return await in_thread(lambda: plan.check(scene, after=after))
 
 
 class _Followed:

@@ -7,13 +7,13 @@ import threading
 from typing import TYPE_CHECKING, Any
 
 import anyio
-import anyio.to_thread
 import numpy as np
 
 from aioduco._process import trial
 from aioduco._process.closing import Closable
 from aioduco._process.linked_process import LinkedProcess
 from aioduco._process.spawn import Unstartable
+from aioduco._process.threads import in_thread
 from aioduco.errors import MissingExtra, NoPathFound, ParameterError, PlanningError
 from aioduco.models.bounds import clipped
 from aioduco.models.pose import Joints, JointsLike, Pose, PoseLike
@@ -284,7 +284,7 @@ class Planner(Closable):
     async def _ask(self, request: _Request) -> Plan:
         try:
             with trial.untimed():  # also while the loop waits for the thread
-                return await anyio.to_thread.run_sync(self._solve, request, abandon_on_cancel=True)
+                return await in_thread(self._solve, request, abandon_on_cancel=True)
         except anyio.get_cancelled_exc_class():
             # The thread then reads the end of the channel, and ends.
             request.cancel()

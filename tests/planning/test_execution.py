@@ -148,6 +148,25 @@ async def test_a_change_during_the_check_is_checked_too(monkeypatch: pytest.Monk
     assert caught.value.pair[1] == "board"
 
 
+async def test_a_scene_is_watched_while_the_program_has_all_threads_of_anyio() -> None:
+    scene, plan = Scene("gcr5_910"), straight(Scene("gcr5_910"))
+    threads = anyio.to_thread.current_default_thread_limiter()
+    taken = [object() for _ in range(int(threads.total_tokens))]
+    for each in taken:
+        threads.acquire_on_behalf_of_nowait(each)
+
+    def appear(_: object) -> None:
+        if "board" not in scene:
+            scene.add(BOARD)
+
+    try:
+        with pytest.raises(PlanObstructed, match="brought to rest"):
+            await execute(FakeMotion(), at_start, plan, watch=scene, feedback=appear)
+    finally:
+        for each in taken:
+            threads.release_on_behalf_of(each)
+
+
 async def test_the_fastest_plan_is_one_that_a_stream_takes() -> None:
     asked: list[float] = []
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Final, Self
 import anyio
 import anyio.from_thread
 
+from aioduco._process.threads import in_thread
 from aioduco.errors import ConnectError, MissingExtra, RobotStateError
 from aioduco.integrations.fleet.proof import proof_of
 from aioduco.integrations.fleet.reports import LONGEST, alive_key, state_key, stop_key
@@ -73,7 +74,7 @@ class FleetLink:
         except zenoh.ZError as error:
             raise FleetFileError(f"Zenoh refuses the settings: {_plain(error)}") from error
         try:
-            self._session = await anyio.to_thread.run_sync(zenoh.open, config)
+            self._session = await in_thread(zenoh.open, config)
         except (zenoh.ZError, OSError, ValueError) as error:
             raise ConnectError(where or "Zenoh", 0, _plain(error)) from error
         self._portal = anyio.from_thread.BlockingPortal()
@@ -95,7 +96,7 @@ class FleetLink:
     async def _close_session(self) -> None:
         session, self._session = self._session, None
         with anyio.CancelScope(shield=True):
-            await anyio.to_thread.run_sync(session.close)
+            await in_thread(session.close)
 
     def _config(self, zenoh: Any) -> Any:
         settings = self._settings

@@ -24,6 +24,7 @@ import anyio
 import aioduco
 from aioduco import JogDirections, ProgramState, events
 from aioduco._process.copying import Uncopied
+from aioduco._process.threads import in_thread
 from aioduco.errors import (
     DucoError,
     MissingExtra,
@@ -278,8 +279,8 @@ class Panel(Uncopied):
             await stack.enter_async_context(self._observer)
             await self._identify_arm()
             await stack.enter_async_context(self._server.listening())
-            self._scene = await anyio.to_thread.run_sync(self._make_scene)
-            stack.push_async_callback(anyio.to_thread.run_sync, self._scene.close)
+            self._scene = await in_thread(self._make_scene)
+            stack.push_async_callback(in_thread, self._scene.close)
             if (limits := self._twin_limits) is not False:
                 known, around = None if limits is True else limits, self._scene_around
                 mounting = None if around is None else around.mounting

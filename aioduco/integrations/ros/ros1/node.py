@@ -27,6 +27,7 @@ from control_msgs.msg import FollowJointTrajectoryAction, JointTrajectoryControl
 from std_srvs.srv import Trigger, TriggerResponse
 
 from aioduco._process.reporting import BackgroundLogger
+from aioduco._process.threads import in_thread
 from aioduco.errors import ParameterError
 from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings, arm_node
 from aioduco.integrations.ros.node_parameters import NodeError, settings_of
@@ -338,7 +339,7 @@ class _Shell:
 
     async def serve_services(self) -> None:
         """Offer services and the action; on a thread, because the master may be slow."""
-        await anyio.to_thread.run_sync(self._offer, abandon_on_cancel=True)
+        await in_thread(self._offer, abandon_on_cancel=True)
 
     def _offer(self) -> None:
         prefix = self._settings.prefix

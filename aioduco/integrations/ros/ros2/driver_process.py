@@ -12,7 +12,6 @@ from collections import deque
 from typing import TYPE_CHECKING, Any
 
 import anyio
-import anyio.to_thread
 import rclpy
 from anyio.from_thread import BlockingPortal
 from rclpy.exceptions import NameValidationException
@@ -23,6 +22,7 @@ from rclpy.utilities import remove_ros_args
 from std_srvs.srv import Trigger
 
 from aioduco._process.reporting import BackgroundLogger, reporter
+from aioduco._process.threads import in_thread
 from aioduco.errors import DucoError, ParameterError
 from aioduco.integrations.ros.node_parameters import NodeError
 from aioduco.integrations.ros.ros2._driver_node import DriverNode
@@ -126,7 +126,7 @@ async def _serve(parameters: dict[str, Any]) -> BaseException | None:
         try:
             tasks.start_soon(cancel_on_signal, tasks.cancel_scope)
             if node.get_parameter("autostart").value:
-                await anyio.to_thread.run_sync(node.start, abandon_on_cancel=True)
+                await in_thread(node.start, abandon_on_cancel=True)
             await anyio.sleep_forever()
         except Exception as error:  # of the start: the caller reports it
             fail(error)
@@ -135,10 +135,10 @@ async def _serve(parameters: dict[str, Any]) -> BaseException | None:
                 await node.release()
                 await node.send_results()
                 for executor, thread in spinning:
-                    await anyio.to_thread.run_sync(executor.shutdown, _LEAVE)
+                    await in_thread(executor.shutdown, _LEAVE)
                     # The nodes are destroyed next: no thread may be using them then.
-                    await anyio.to_thread.run_sync(thread.join, _LEAVE)
-                await anyio.to_thread.run_sync(reporter.flush)
+                    await in_thread(thread.join, _LEAVE)
+                await in_thread(reporter.flush)
             logging.getLogger("aioduco").removeHandler(handler)
             stop_node.destroy_node()
             node.destroy_node()
