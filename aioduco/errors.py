@@ -453,9 +453,9 @@ class WrongLoop(RobotStateError):
 
 
 class WrongProcess(RobotStateError):
-    """The robot is used in a child that was forked from the process that opened it.
+    """A robot or a planner is used in a child that was forked from the process that opened it.
 
-    Nothing was sent. The robot continues undisturbed in the parent.
+    Nothing was sent. It continues undisturbed in the parent.
     """
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import pickle
 import socket
 import struct
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from aioduco._process.platform import handed_socket
 from aioduco._process.spawn import Process
+from aioduco.errors import WrongProcess
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,12 +25,33 @@ _END = 5.0
 class ValueChannel:
     """A socket for Python values between a parent and its child process, which trust each other.
 
+    A child that was forked from the parent has a copy of the socket: it must not use it, or it
+    would get the parent's answers, and closing its copy changes nothing for the parent.
+
     Args:
         link: the socket; the channel closes it.
     """
 
     def __init__(self, link: socket.socket) -> None:
         self._link = link
+        self._owner = os.getpid()
+
+    @property
+    def inherited(self) -> bool:
+        """Whether this is a forked child, whose parent has the channel."""
+        return os.getpid() != self._owner
+
+    def require_own(self) -> None:
+        """Check that this process may use the channel.
+
+        Raises:
+            WrongProcess: this is a forked child; nothing was sent.
+        """
+        if self.inherited:
+            raise WrongProcess(
+                f"process {os.getpid()} was forked from {self._owner}, which this belongs to: make "
+                "another one in this process. Nothing was sent"
+            )
 
     @classmethod
     def of(cls, arguments: Sequence[str]) -> ValueChannel:
@@ -55,7 +78,9 @@ class ValueChannel:
 
         Raises:
             OSError: the other side has closed.
+            WrongProcess: this is a forked child; nothing was sent.
         """
+        self.require_own()
         data = pickle.dumps(value)
         self._link.sendall(_HEAD.pack(len(data)))
         self._link.sendall(data)
@@ -70,7 +95,9 @@ class ValueChannel:
             EOFError: the other side has closed.
             TimeoutError: nothing came in time.
             OSError: the other side exited before it had read everything.
+            WrongProcess: this is a forked child.
         """
+        self.require_own()
         self._link.settimeout(timeout)
         head = self._read(_HEAD.size)
         self._link.settimeout(None)
@@ -79,8 +106,9 @@ class ValueChannel:
     def close(self) -> None:
         """Close the socket: `receive` ends on both sides, in other threads too."""
         # A call to receive in another thread keeps a socket open that was closed only.
-        with contextlib.suppress(OSError):  # the other side has closed
-            self._link.shutdown(socket.SHUT_RDWR)
+        if not self.inherited:
+            with contextlib.suppress(OSError):  # the other side has closed
+                self._link.shutdown(socket.SHUT_RDWR)
         self._link.close()
 
     def _read(self, size: int) -> bytearray:
@@ -158,8 +186,13 @@ class LinkedProcess:
         return self.channel.receive()
 
     def close(self) -> None:
-        """Close the channel, and wait for the exit of the process. `stderr_tail` stays readable."""
+        """Close the channel, and wait for the exit of the process. `stderr_tail` stays readable.
+
+        In a forked child this closes the child's copy alone: the process goes on for the parent.
+        """
         self.channel.close()
+        if self.channel.inherited:
+            return
         try:
             self.popen.wait(self._patience)
         except subprocess.TimeoutExpired:

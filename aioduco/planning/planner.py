@@ -81,7 +81,8 @@ class Planner(Closable):
     A separate process does the work, one plan after another; it starts with the first plan. The
     planner kills it when the plan that it is making is cancelled or overdue, and starts it again
     for the next plan. A planner also works without `with`; its process then ends with `close`, or
-    with the program.
+    with the program. In a forked child, a planner that has planned before raises `WrongProcess`:
+    make another one there.
 
     Args:
         scene: scene to plan in; it may change between plans.
@@ -291,6 +292,8 @@ class Planner(Closable):
             raise
 
     def _solve(self, request: _Request) -> Plan:
+        if self._process is not None:
+            self._process.channel.require_own()
         with trial.untimed(), self._lock:
             if request.cancelled:
                 raise PlanningError("the plan was cancelled before its turn came")

@@ -39,6 +39,9 @@ class Process:
         self.made.append(self)
         assert self.may_start.wait(PATIENCE)
 
+    def require_own(self) -> None:
+        """It is never that of a parent."""
+
     def send(self, value: object) -> None:
         if self.killed:
             raise BrokenPipeError
