@@ -564,7 +564,14 @@ class TrajectoryServer:
             place, most = self.progress, self._running.checked.path_speed
             if most is None:
                 continue
-            speeds = await self._robot.state.get_actual_joints_speed()
+            try:
+                speeds = await self._robot.state.get_actual_joints_speed()
+            except DucoError as error:
+                text = (
+                    f"the joints' speeds, for which it has path tolerances, were not read: {error}"
+                )
+                self._halt("", GoalEnded(ErrorCode.PATH_TOLERANCE_VIOLATED, text))
+                return
             if place is None or self._part is None or self._part.cancel_called:
                 continue
             if self.progress is not None and self._running.checked.path_speed is not most:
@@ -576,9 +583,14 @@ class TrajectoryServer:
             if self._rising:
                 low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
             over = np.maximum(speeds - high, low - speeds) - np.array(most)
-            if over.max() > 0.0:
-                name = self._profile.joint_names[int(over.argmax())]
-                text = f"the speed of {name} is {over.max():.3g} rad/s beyond its path tolerance"
+            # a speed that the controller does not tell is NaN: as bad as any
+            over[np.isnan(speeds) & np.isfinite(most)] = math.inf
+            if np.nanmax(over, initial=0.0) > 0.0:
+                worst = int(np.nanargmax(over))
+                text = f"{over[worst]:.3g} rad/s beyond its path tolerance"
+                if np.isnan(speeds[worst]):
+                    text = "not told by the controller, and has a path tolerance"
+                text = f"the speed of {self._profile.joint_names[worst]} is {text}"
                 self._halt("", GoalEnded(ErrorCode.PATH_TOLERANCE_VIOLATED, text))
 
     async def _watch_client(self) -> None:

@@ -18,6 +18,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from aioduco.errors import (
+    ConnectionLost,
     DucoError,
     FirstPointTooFar,
     GoalToleranceViolated,
@@ -301,6 +302,31 @@ async def test_each_pause_is_answered_when_the_arm_stands() -> None:
         assert server.resume()
         await eventually_async(lambda: motion.begun == 2)
         assert client.told == ["accepted"]
+
+
+@pytest.mark.parametrize(
+    ("speeds", "said"),
+    [
+        (ConnectionLost("the cable is out"), "not read: the cable is out; the arm was brought"),
+        (np.full(6, math.nan), f"the speed of {NAMES[1]} is not told by the controller"),
+    ],
+    ids=["not read", "not told"],
+)
+async def test_a_goal_whose_speeds_are_not_known_ends_and_says_so(speeds: Any, said: str) -> None:
+    async def read() -> Any:
+        if isinstance(speeds, Exception):
+            raise speeds
+        return speeds
+
+    async with held() as (server, motion):
+        motion.rest.set()
+        state: Any = server._robot.state
+        state.get_actual_joints_speed = read
+        tolerance = [NamedTolerance(NAMES[1], velocity=0.5)]
+        server.submit(client := Client(goal(path_tolerance=tolerance)))
+        await eventually_async(lambda: client.done)
+    assert (client.told[-1], client.code) == ("aborted", ErrorCode.PATH_TOLERANCE_VIOLATED)
+    assert said in client.text
 
 
 @pytest.mark.parametrize("step", [-3600.0, 3600.0])
