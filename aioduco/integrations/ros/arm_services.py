@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, NoReturn
 
 from aioduco import Joints, Pose, ProgramState
 from aioduco.errors import DucoError
@@ -196,23 +196,23 @@ class ArmServices:
                     speed_limits if any(speed_limits) else _FORCE_SPEED,
                     frame=frame,
                 )
-                await force.fc_start()
-                self._force_mode = True
+                self._force_mode = True  # also if it is not known whether it begins
                 try:
+                    await force.fc_start()
                     await force.fc_move().start()
                 except DucoError as error:
                     await self._end_force_control(error)
-                    raise
 
         return await self._unless_busy(run, "the arm gives way")
 
-    async def _end_force_control(self, error: DucoError) -> None:
+    async def _end_force_control(self, error: DucoError) -> NoReturn:
         """End force control in which the arm was not moved: it would yield in its next motion."""
         try:
             await self._robot.force.fc_stop()
         except DucoError:
-            raise DucoError(f"{error}. Force control is on: call stop_force_mode") from error
+            raise DucoError(f"{error}. Force control may be on: call stop_force_mode") from error
         self._force_mode = False
+        raise DucoError(f"{error}. Force control was ended") from error
 
     async def stop_force_mode(self) -> ServiceReply:
         """End what `start_force_mode` began: the arm stands, and then ends force control."""

@@ -19,7 +19,7 @@ from aioduco import Pose, TaskState
 from aioduco._process.reporting import reporter
 from aioduco.api.force import Force
 from aioduco.api.state import State
-from aioduco.errors import ParameterError
+from aioduco.errors import ConnectionLost, ParameterError
 from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings, arm_node
 from aioduco.integrations.ros.arm_readings import DiagnosisLevel, diagnosis, placed_frames
 from aioduco.integrations.ros.trajectory_goals import (
@@ -287,6 +287,35 @@ async def test_after_a_stop_no_service_goes_on_to_move_the_arm(
     assert not reply.success, reply.message
     assert "not sent, since the arm was stopped" in reply.message
     assert not node.robot.tasks
+    assert not await node.robot.force.fc_mode_is_active()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ended", [True, False], ids=["ended", "not ended"])
+async def test_force_control_whose_begin_was_not_answered_is_ended(
+    node: ArmNode, monkeypatch: pytest.MonkeyPatch, ended: bool
+) -> None:
+    start, stop = Force.fc_start, Force.fc_stop
+
+    async def begun(self: Force) -> None:
+        await start(self)
+        raise ConnectionLost("fc_start was sent, and not answered")
+
+    async def lost(self: Force) -> None:
+        raise ConnectionLost("the cable is out")
+
+    services = node.services
+    monkeypatch.setattr(Force, "fc_start", begun)
+    monkeypatch.setattr(Force, "fc_stop", stop if ended else lost)
+    pushed = (0.0, 0.0, 5.0, 0.0, 0.0, 0.0)
+    reply = await services.start_force_mode((True,) * 6, pushed, (0.0,) * 6, (0.0,) * 6, 0)
+    assert not reply.success
+    if ended:
+        assert reply.message.endswith("not answered. Force control was ended")
+    else:
+        assert reply.message.endswith("Force control may be on: call stop_force_mode")
+        monkeypatch.setattr(Force, "fc_stop", stop)
+        assert (await services.stop_force_mode()).success
     assert not await node.robot.force.fc_mode_is_active()
 
 
