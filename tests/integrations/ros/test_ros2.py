@@ -21,7 +21,7 @@ import pytest
 from aioduco import Joints
 from aioduco.sim import Simulator
 from aioduco.sim.scene import Box
-from aioduco.testing import eventually
+from aioduco.testing import Delay, FaultProxy, eventually
 
 from .programs import ROOT, WAVE, processor_time, ur_services
 from .ros2_domain import Domain
@@ -188,6 +188,33 @@ def test_a_goal_has_its_result_when_the_driver_ends(
     assert found["status"] == ABORTED
     assert "the driver ends" in found["text"]
     assert not sim.moving
+
+
+def test_a_signal_ends_a_driver_that_still_connects(domain: Domain, sim: Simulator) -> None:
+    """It had no arm to leave yet, and then held its connections and heartbeat for ever."""
+    with FaultProxy(sim.host, sim.port) as proxy:
+        for name in ("get_robot_state", "get_robot_version"):
+            proxy.on(name, Delay(reply=1.2))
+        node = domain.start_node(proxy)
+        eventually(lambda: bool(proxy.calls("get_robot_state")), PATIENT)
+        node.send_signal(signal.SIGTERM)
+        assert node.wait(PATIENT) == 0, domain.errors
+
+
+def test_a_driver_that_could_not_bring_the_arm_to_rest_does_not_end_well(
+    domain: Domain, sim: Simulator
+) -> None:
+    with FaultProxy(sim.host, sim.port) as proxy:
+        node = domain.start_node(proxy, "heartbeat:=30.0")
+        domain.ready()
+        domain.go_to_start()
+        client = domain.moving_client("200", "20.0", "1.0")
+        proxy.refuse()
+        proxy.cut()
+        node.send_signal(signal.SIGTERM)
+        assert node.wait(PATIENT) != 0
+        assert "emergency stop" in domain.errors
+        client.kill()
 
 
 def test_transitions_and_parameters(domain: Domain, sim: Simulator) -> None:

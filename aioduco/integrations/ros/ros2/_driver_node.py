@@ -379,6 +379,10 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
                 self._arm = arm
                 task_status.started()
                 await self._released.wait()
+        except DucoError as error:
+            if self._arm is None:  # whoever configures it gets the error
+                raise
+            self._fail(error)
         finally:
             self._arm = None
             self._left.set()

@@ -139,6 +139,8 @@ async def _serve(parameters: dict[str, Any]) -> BaseException | None:
                     # The nodes are destroyed next: no thread may be using them then.
                     await in_thread(thread.join, _LEAVE)
                 await in_thread(reporter.flush)
+                # also an arm that was still being connected to when the end came
+                await portal.stop(cancel_remaining=True)
             logging.getLogger("aioduco").removeHandler(handler)
             stop_node.destroy_node()
             node.destroy_node()
