@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from aioduco.models.pose import Pose
+from aioduco.models.ranges import POSE
 from aioduco.models.words import one_of
 
 if TYPE_CHECKING:
@@ -31,11 +32,12 @@ def base_in_world(mounting: MountingLike, arm: Arm) -> Pose:
         arm: the arm.
 
     Raises:
-        ParameterError: it is neither a name nor a pose.
+        ParameterError: it is neither a name nor a pose, or its angles are beyond ±2π, as degrees
+            are.
     """
     high = arm.reach + arm.geometry.d1
     if not isinstance(mounting, str):
-        return Pose.of(mounting)
+        return Pose(*POSE("mounting", mounting))
     heights = {"floor": 0.0, "wall": 4.0 / 3.0 * high, "ceiling": 2.0 * high}
     return _turned(mounting).shifted(z=heights[mounting])
 
@@ -47,9 +49,9 @@ def gravity(mounting: MountingLike) -> Array:
         mounting: "floor", "wall" or "ceiling", or pose of the base in the world [m, rad].
 
     Raises:
-        ParameterError: it is neither a name nor a pose.
+        ParameterError: as of `base_in_world`.
     """
-    base = _turned(mounting) if isinstance(mounting, str) else Pose.of(mounting)
+    base = _turned(mounting) if isinstance(mounting, str) else Pose(*POSE("mounting", mounting))
     down: Array = -GRAVITY * base.matrix[2, :3]
     return down
 

@@ -113,6 +113,8 @@ def test_gravity_follows_the_mounting() -> None:
     assert np.allclose(gravity("ceiling"), -gravity("floor"))
     with pytest.raises(ParameterError, match="did you mean 'ceiling'"):
         gravity("celing")  # type: ignore[arg-type]  # the wrong name is the point
+    with pytest.raises(ParameterError, match="not degrees"):
+        gravity(Pose(0.0, 0.0, 2.0, 180.0, 0.0, 0.0))
     by_forces = identify_load_by_forces(GCR5.fkine(POSES), wrenches(hidden, down), gravity=down)
     by_torques = identify_load_by_torques(GCR5, POSES, torques(hidden, down), gravity=down)
     assert np.allclose(by_forces.load, hidden)

@@ -19,7 +19,7 @@ from aioduco.models.address import CELL_KEYS, RobotAddress, WrongAddress, robots
 from aioduco.models.load import Load
 from aioduco.models.points import Point, point_of
 from aioduco.models.pose import Pose
-from aioduco.models.ranges import JOINTS, POSE
+from aioduco.models.ranges import JOINTS, PAYLOAD, POSE
 from aioduco.models.similar import did_you_mean, unknown
 from aioduco.planning.shapes import Ground, Mesh
 from aioduco.recording.playback.envelope_file import limit_of
@@ -255,8 +255,8 @@ def _robot(address: RobotAddress, entry: dict[str, Any], usual: str) -> CellRobo
         wrong((*place, "mounting"), f"is {given!r}, but must be a name or six numbers [m, rad]")
     if type(pedestal) not in (int, float):
         wrong((*place, "pedestal"), f"is {pedestal!r}, but must be a number [m]")
-    mounting = cast("MountingLike", given) if isinstance(given, str) else Pose.of(given)
     with at(*place, "mounting"):
+        mounting = cast("MountingLike", given) if isinstance(given, str) else Pose.of(given)
         mounting_of(mounting, arm_of(kind), pedestal)
     return CellRobot(
         name=address.name,
@@ -274,8 +274,11 @@ def tool(value: Any, folder: Path) -> CellTool:
     found = table(place, value, ("tcp", "tcp_mm_deg", "load", "file", "thing"))
     tip = _pose(place, found, "tcp")
     load = found.get("load")
-    if load is not None and not (_numbers(load) and len(load) in (1, 4) and load[0] >= 0):
-        wrong((*place, "load"), f"is {load!r}, but must be a mass [kg], or it and x, y, z [m]")
+    if load is not None:
+        if not (_numbers(load) and len(load) in (1, 4)):
+            wrong((*place, "load"), f"is {load!r}, but must be a mass [kg], or it and x, y, z [m]")
+        with at(*place):
+            load = PAYLOAD("load", Load(*load))
     return CellTool(
         tcp=_NO_TOOL if tip is None else tip,
         load=None if load is None else Load(*map(float, load)),
