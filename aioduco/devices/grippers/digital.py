@@ -178,5 +178,4 @@ def signal(name: str, value: int | str) -> tuple[bool, int]:
 def of(io: IOStatus, name: int | str) -> bool:
     """Return an input of a sample."""
     tool, num = signal("input", name)
-    inputs = io.tool_inputs if tool else io.digital_inputs
-    return bool(inputs[num - 1])
+    return io.tool_input(num) if tool else io.input(num)

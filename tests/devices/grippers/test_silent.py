@@ -201,6 +201,14 @@ async def test_the_arm_is_stopped_when_the_inputs_are_not_read_any_more() -> Non
             assert bench.commands[-2:] == ["movej2", "stop"]
 
 
+async def test_an_input_that_the_controller_does_not_tell_is_named() -> None:
+    with Bench() as bench:
+        bench.answer("getRobotIOStatus", rpc.IOStatus(digitalInputs=[False] * 2))
+        async with aioduco.connect(bench.host, bench.port) as robot:
+            with pytest.raises(errors.ParameterError, match="num is 3, but must be from 1 to 2"):
+                await DigitalGripper(robot, 1, holds=3).start()
+
+
 async def test_a_sample_from_before_a_movement_does_not_say_how_it_ended() -> None:
     """The input for shut was off before; that it is still off is not known."""
     with Bench() as bench:
