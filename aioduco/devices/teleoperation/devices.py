@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import errno
 import os
 import select
@@ -32,10 +33,10 @@ class _Meaning(Protocol):
 
 
 class InputDevice(Uncopied):
-    """An input device that is read without blocking. Use it in `with`.
+    """An input device that is read without blocking. Use it in `with`, also several times.
 
     Args:
-        meaning: interprets its bytes, such as `Gamepad`.
+        meaning: interprets its bytes, such as `Gamepad`; each `with` begins with a copy of it.
         path: file of the device; None: an open descriptor is used.
         descriptor: the open descriptor; it stays open at the end.
         whole: whether each read returns exactly one report.
@@ -49,7 +50,7 @@ class InputDevice(Uncopied):
         *,
         whole: bool = False,
     ) -> None:
-        self._meaning = meaning
+        self._fresh = self._meaning = meaning
         self._path = path
         self._descriptor = descriptor
         self._whole = whole
@@ -74,6 +75,8 @@ class InputDevice(Uncopied):
                 raise ParameterError(
                     "device", str(self._path), f"a device that can be read ({exc.strerror})"
                 ) from exc
+        # without what the device did the last time, such as its end
+        self._meaning = copy.deepcopy(self._fresh)
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -148,6 +151,7 @@ class KeyboardDevice(InputDevice):
                 read in this way.
         """
         _require_files("keyboard")
+        super().__enter__()
         if self._descriptor < 0:
             self._descriptor = _standard_input()
         if os.isatty(self._descriptor):

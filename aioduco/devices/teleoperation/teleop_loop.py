@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from aioduco.devices.teleoperation.reading import STANDING, Reading, ReadingSource
 from aioduco.devices.teleoperation.scale import TeleopScale
 from aioduco.errors import ParameterError
-from aioduco.models.ranges import JOINT_SPEED
+from aioduco.models.ranges import FINE_SPEED, JOINT_SPEED
 from aioduco.supervision.permits import asked_at_call
 
 if TYPE_CHECKING:
@@ -100,7 +100,7 @@ async def teleoperate(
         stream = robot.speed.linear(
             a=acceleration,
             turn_a=turn_acceleration,
-            v=found.speed * 3**0.5,
+            v=min(FINE_SPEED.high, found.speed * 3**0.5),
             turn_v=min(JOINT_SPEED.high, found.turn_speed * 3**0.5),
             frame=frame,
             wobj=wobj,

@@ -251,6 +251,32 @@ def test_a_joint_target_keeps_near_the_arm_and_within_limits_at_a_singularity() 
         before = new
 
 
+@pytest.mark.linux("devices that are files")
+def test_a_device_that_is_opened_again_knows_nothing_of_the_last_time(tmp_path: Path) -> None:
+    """A program ended each time at once after q; a button that was held on moved the arm."""
+    reader, writer = os.pipe()
+    path = tmp_path / "js0"
+    os.mkfifo(path)
+    plug = os.open(path, os.O_RDWR)
+    try:
+        keys, pad = KeyboardDevice(reader), GamepadDevice(path)
+        with keys:
+            os.write(writer, b"q")
+            assert keys.read(0.0).done
+        with keys:
+            os.write(writer, b"w")
+            assert keys.read(1.0) == Reading((1, 0, 0, 0, 0, 0), held=True)
+        with pad:
+            os.write(plug, event(1, 4, 1))
+            assert pad.read(0.0).held
+        with pad:
+            os.write(plug, event(1 | 0x80, 4, 1))
+            assert not pad.read(1.0).held
+    finally:
+        for each in (reader, writer, plug):
+            os.close(each)
+
+
 def test_input_that_never_ends_is_not_held_and_holds_up_nobody() -> None:
     """More than can be read at a time: the newest key is not known, so it counts as let go."""
     reader, writer = os.pipe()

@@ -16,7 +16,7 @@ import aioduco
 from aioduco.devices.teleoperation import KeyboardDevice, Reading, TeleopScale, teleoperate
 from aioduco.devices.teleoperation.keyboard import Keyboard
 from aioduco.errors import ParameterError
-from aioduco.models.ranges import JOINT_SPEED
+from aioduco.models.ranges import FINE_SPEED, JOINT_SPEED
 from aioduco.recording import read
 from aioduco.sim import Simulator
 from aioduco.streaming.shared.options import WorkerOptions
@@ -155,8 +155,8 @@ async def test_a_hold_that_lasts_until_the_end_counts() -> None:
 
 
 @pytest.mark.slow
-async def test_the_fastest_turn_is_one_that_a_stream_takes() -> None:
-    fastest = TeleopScale(turn_speed=JOINT_SPEED.high)
+async def test_the_fastest_speeds_are_ones_that_a_stream_takes() -> None:
+    fastest = TeleopScale(speed=FINE_SPEED.high, turn_speed=JOINT_SPEED.high)
     async with ready() as (_, robot):
         report = await teleoperate(robot, Held(0.0), fastest, **WAITING)
     assert report.stream.reason is Reason.CLOSED
