@@ -16,7 +16,7 @@ from aioduco.kinematics.catalogue import arm_given
 from aioduco.models.pose import Joints, JointsLike, Pose, PoseLike
 from aioduco.models.ranges import JOINTS
 from aioduco.models.rules import Number
-from aioduco.planning.clearance import TOUCHING, Clearance
+from aioduco.planning.clearance import FURTHEST, TOUCHING, Clearance
 from aioduco.planning.problem import WorkerScene
 from aioduco.sim.scene import MountingLike, SceneLike, Thing, mjcf_of, mounting_of
 
@@ -42,7 +42,7 @@ class Scene:
 
     Positions are in the world's frame, as in `aioduco.sim.scene`: z is up, the floor is at 0, and
     an arm on the floor has its base at the origin. Things stay where they are put; their masses
-    have no effect.
+    have no effect. Several threads may use it at once.
 
     Args:
         model: the arm, such as "gcr5_910", or an `Arm`.
@@ -83,7 +83,7 @@ class Scene:
         self._model: Any = None
         self._checker: CollisionChecker | None = None
         self._revision = 0
-        #: the execution of a plan reads the scene in another thread
+        #: programs and executions of plans use the scene in other threads, too
         self._lock = threading.RLock()
         if isinstance(things, Thing) or not isinstance(things, Iterable):
             raise SceneError(f"{things!r} is no list of things")
@@ -212,8 +212,9 @@ class Scene:
             SceneError: there is no thing of this name.
             ParameterError: the configuration is not six joint angles, or out of range.
         """
-        place = self._own.place(np.array(JOINTS("joints", joints)), self._body(name))
+        q, body = np.array(JOINTS("joints", joints)), self._body(name)
         with self._lock:
+            place = self._own.place(q, body)
             self._attached[name] = place
             self._loose = None if self._loose is None else self._loose_without(name)
             self._changed()
@@ -275,7 +276,7 @@ class Scene:
         Raises:
             SceneError: MuJoCo rejects the scene.
         """
-        return self._own.clearance(Joints.of(joints).array)
+        return self._clearance(joints, FURTHEST)
 
     def collides(self, joints: JointsLike) -> bool:
         """Tell whether the arm collides with something, without padding.
@@ -285,7 +286,7 @@ class Scene:
         Args:
             joints: joint angles [rad]. Shape (6,).
         """
-        return self._own.clearance(Joints.of(joints).array, 1e-9).distance < -TOUCHING
+        return self._clearance(joints, 1e-9).distance < -TOUCHING
 
     def picture(
         self,
@@ -379,9 +380,15 @@ class Scene:
         with self._lock:
             return self._revision, WorkerScene(self.compiled(), self.loose)
 
+    def _clearance(self, joints: JointsLike, within: float) -> Clearance:
+        """Measure the clearance up to a distance [m]."""
+        q = Joints.of(joints).array
+        with self._lock:
+            return self._own.clearance(q, within)
+
     @property
     def _own(self) -> CollisionChecker:
-        """The scene's own checker, until it changes."""
+        """The scene's own checker, until it changes. Used under the lock: it is for one thread."""
         if self._checker is None:
             self._checker = self.checker()
         return self._checker

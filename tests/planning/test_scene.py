@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from interpreter import python
 
 from aioduco import Joints, ParameterError, SceneError
 from aioduco.kinematics import arm as arm_of
@@ -265,3 +266,32 @@ def test_a_thing_is_moved_to_no_place_that_is_none(at: Any) -> None:
     with pytest.raises(ParameterError, match="at"):
         scene.move("box", at)
     assert scene.revision == 1
+
+
+_MANY_THREADS = """
+import sys, threading
+from aioduco.planning import Scene
+from aioduco.sim.scene import Box
+
+sys.setswitchinterval(1e-5)
+scene = Scene("gcr5_910", [Box(at=(0.5, 0.0, 0.3), size=(0.1, 0.1, 0.6), name="box")])
+places = [[0.01 * n, 0.3, 1.0, 0.0, -1.0, 0.0] for n in range(200)]
+alone = [scene.clearance(q) for q in places]
+wrong = []
+
+def look():
+    wrong.extend(q for _ in range(5) for q, d in zip(places, alone) if scene.clearance(q) != d)
+
+threads = [threading.Thread(target=look) for _ in range(4)]
+for each in threads:
+    each.start()
+for each in threads:
+    each.join()
+print(len(wrong))
+"""
+
+
+def test_threads_may_ask_a_scene_at_once() -> None:
+    """MuJoCo's data are for one thread: the interpreter crashed."""
+    found = python("-c", _MANY_THREADS)
+    assert (found.returncode, found.stdout.strip()) == (0, "0"), found.stderr
