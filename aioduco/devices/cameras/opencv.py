@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from typing import Self
 
 import numpy as np
@@ -46,6 +47,8 @@ class OpenCvCamera(Uncopied):
         self._clock = WallClock() if clock is None else clock
         self._latency = latency
         self._capture: cv2.VideoCapture | None = None
+        #: OpenCV's capture is for one thread: two that use it at once crash the interpreter
+        self._lock = threading.Lock()
 
     def __repr__(self) -> str:
         return f"<OpenCvCamera {self._source!r}>"
@@ -74,22 +77,25 @@ class OpenCvCamera(Uncopied):
         return self
 
     def __exit__(self, *_: object) -> None:
-        capture, self._capture = self._capture, None
-        if capture is not None:
-            capture.release()
+        """Close the camera, once a thread that reads has its image."""
+        with self._lock:
+            capture, self._capture = self._capture, None
+            if capture is not None:
+                capture.release()
 
     def read(self) -> CameraFrame:
-        """Take the next image.
+        """Take the next image; several threads that read get one after another.
 
         Raises:
             CameraError: the camera is not open, or returns no image or one of another size.
         """
-        capture = self._capture
-        if capture is None:
-            raise CameraError(f"{self!r} is not open: enter it by `with`")
-        grabbed = capture.grab()
-        time = self._clock.now() - self._latency
-        there, picture = capture.retrieve() if grabbed else (False, None)
+        with self._lock:
+            capture = self._capture
+            if capture is None:
+                raise CameraError(f"{self!r} is not open: enter it by `with`")
+            grabbed = capture.grab()
+            time = self._clock.now() - self._latency
+            there, picture = capture.retrieve() if grabbed else (False, None)
         if not there or picture is None:
             raise CameraError(f"the camera at {self._source!r} gives no picture")
         size = self._intrinsics

@@ -8,6 +8,7 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
+from interpreter import python
 from numpy.typing import NDArray
 
 from aioduco import Pose
@@ -407,3 +408,40 @@ def test_a_simulated_camera_is_found_by_its_views_of_a_board() -> None:
         distance, angle = apart(truth, found.camera)
         assert distance < 3e-3
         assert angle < 5e-3
+
+
+_MANY_THREADS = """
+import sys, threading
+import cv2, numpy as np
+from aioduco.devices.cameras import Intrinsics, OpenCvCamera
+from aioduco.errors import CameraError
+
+lens = Intrinsics(width=640, height=480, fx=500, fy=500, cx=320, cy=240)
+writer = cv2.VideoWriter(sys.argv[1], cv2.VideoWriter.fourcc(*"MJPG"), 10.0, (640, 480))
+for _ in range(300):
+    writer.write(np.zeros((480, 640, 3), np.uint8))
+writer.release()
+seen = []
+
+def look():
+    try:
+        while True:
+            seen.append(camera.read().image.shape)
+    except CameraError:
+        return
+
+with OpenCvCamera(sys.argv[1], lens) as camera:
+    threads = [threading.Thread(target=look) for _ in range(4)]
+    for each in threads:
+        each.start()
+    threads[0].join(0.05)
+for each in threads:
+    each.join()
+print(set(seen))
+"""
+
+
+def test_threads_may_read_a_camera_at_once_and_while_it_is_closed(tmp_path: Path) -> None:
+    """OpenCV's capture is for one thread: the interpreter crashed."""
+    found = python("-c", _MANY_THREADS, str(tmp_path / "film.avi"))
+    assert (found.returncode, found.stdout.strip()) == (0, "{(480, 640, 3)}"), found.stderr
