@@ -156,7 +156,10 @@ class Modes:
             for name in tuple(modes):
                 if name not in modes:
                     continue  # it was left, or entered again, meanwhile
-                mode, over = self._on[name], True
+                mode, over = self._on.get(name), True
+                if mode is None:  # it was left while another thread noted that it is overdue
+                    self._overdue.discard(name)
+                    continue
                 try:
                     await self._channel.control(name, mode[0], _LEAVE_LIMIT)
                 except BaseException as exc:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 from collections.abc import Awaitable, Callable, Iterator
 
 import anyio
@@ -11,6 +12,7 @@ import pytest
 import aioduco
 from aioduco import Outcome
 from aioduco.sim import Simulator
+from aioduco.supervision.gate import PermitEnding
 from aioduco.testing import eventually_async
 
 Z = (False, False, True, False, False, False)
@@ -100,3 +102,32 @@ async def test_a_dry_run_is_supervised_as_a_run(sim: Simulator) -> None:
         at = (await robot.state.get_actual_joints_position()).array
         assert at == pytest.approx(before, abs=1e-3)
         assert sim.joints.array == pytest.approx(before, abs=1e-3)
+
+
+class _Watched(dict[str, object]):
+    """Modes of which one is left on the event loop as soon as another thread has looked at it."""
+
+    def __init__(self, leave: Callable[[], None]) -> None:
+        super().__init__()
+        self._leave = leave
+
+    def __contains__(self, key: object) -> bool:
+        found = super().__contains__(key)
+        if found and threading.current_thread() is not threading.main_thread():
+            self._leave()
+        return found
+
+
+async def test_a_mode_may_be_left_while_another_thread_ends_the_permits(
+    sim: Simulator,
+) -> None:
+    """A heartbeat that is lost at this moment ends the permits, and with them the modes."""
+    async with aioduco.connect(sim.host, sim.port) as robot:
+        modes = robot._supervisor.stop_coordinator.modes
+        modes._on = _Watched(lambda: modes.over("end_teach_mode"))  # type: ignore[assignment]
+        modes.enter("end_teach_mode")
+        thread = threading.Thread(target=robot._supervisor.gate.end, args=[PermitEnding.LAPSED])
+        thread.start()
+        thread.join()
+        await robot.bring_up()
+        await robot.motion.movej2(TARGET, v=1.0, a=4.0)
