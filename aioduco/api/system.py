@@ -6,7 +6,7 @@ from typing import Final
 
 from aioduco._wire.rpc import calls
 from aioduco.api.section import Section, check_finished, checked_task_id
-from aioduco.errors import ConnectError, ConnectionLost, RobotStateError
+from aioduco.errors import ConnectError, ConnectionLost, RobotStateError, StaleState
 from aioduco.models import ranges
 from aioduco.models.enums import OperationMode, RobotState, TaskState
 from aioduco.supervision.concurrency import every
@@ -116,8 +116,8 @@ class System(Section):
             try:
                 # an end state in place of an id is one of a controller that waited
                 state = id_ if TaskState(id_).ended else await rpc.get_noneblock_taskstate(id_)
-                robot = (await rpc.get_robot_state())[0]
-            except (ConnectError, ConnectionLost):
+                robot = self._supervisor.samples.states(await rpc.get_robot_state()).robot
+            except (ConnectError, ConnectionLost, StaleState):
                 begun = True
                 continue
             if not begun and TaskState(state).ended:

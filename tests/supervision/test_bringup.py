@@ -10,7 +10,7 @@ from client.bench import Bench
 from hypothesis import given
 
 import aioduco
-from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState
+from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState, TaskState
 from aioduco.models.state import RobotStates
 from aioduco.supervision.bringup import BringUp, BringUpStep
 from aioduco.testing import eventually_async
@@ -208,6 +208,17 @@ async def test_a_controller_that_is_starting_is_waited_for(
     bench.answer("get_robot_state", lambda: [] if next(looks) < 5 else [6, 0, 5, 1])
     await robot.bring_up()
     assert next(looks) > 5
+
+
+async def test_a_restarted_controller_that_has_no_states_yet_is_waited_for(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    answers = iter([[], [], [1], [1, 0, 0, 1], [4, 0, 4, 1]])
+    bench.answer("restart", lambda block: 1000)
+    bench.answer("get_noneblock_taskstate", lambda number: TaskState.FINISHED)
+    bench.answer("get_robot_state", lambda: next(answers))
+    await robot.system.restart()
+    assert next(answers, None) is None
 
 
 async def test_not_ready_in_time_says_what_is_seen(robot: aioduco.Robot, bench: Bench) -> None:
