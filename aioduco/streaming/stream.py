@@ -373,20 +373,23 @@ class Stream(Uncopied):
     ) -> None:
         ring = self._session.alive().ring
         for number, values in enumerate(points, 1):
-            if self._feeding.latest:
-                ring.overwrite(values, time.monotonic_ns(), extra)
-            else:
-                while ring.level >= ahead or not ring.put(values, time.monotonic_ns(), extra):
-                    await self._begin()
-                    # With a depth of one this waits for an empty ring.
-                    await self._session.until_level(ahead * 3 // 4)
-                    self._session.alive()
-            self._last = values
+            while ring.level >= ahead and not self._feeding.latest:
+                await self._begin()
+                # With a depth of one this waits for an empty ring.
+                await self._session.until_level(ahead * 3 // 4)
+                self._session.alive()
+            # Now, and not before the wait: another task may have sent meanwhile.
+            self._last = self._placed(values)
+            ring.overwrite(self._last, time.monotonic_ns(), extra)
             if number % _AT_ONCE == 0:
                 await anyio.lowlevel.checkpoint()
                 self._session.alive()
         await self._begin()
         await anyio.lowlevel.checkpoint()
+
+    def _placed(self, values: tuple[float, ...]) -> tuple[float, ...]:
+        """Return the set-point for what the program gives, just before it is written."""
+        return values
 
     async def _begin(self) -> None:
         """Wait, once, until the worker has compared the first set-point with the arm's position."""

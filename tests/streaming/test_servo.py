@@ -11,6 +11,7 @@ import threading
 import time
 from collections.abc import AsyncIterator, Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import anyio
@@ -18,7 +19,7 @@ import numpy as np
 import pytest
 
 from aioduco import kinematics
-from aioduco.api.streams.servo import Servo
+from aioduco.api.streams.servo import OffsetStream, Servo
 from aioduco.envelope import Envelope, Zone
 from aioduco.errors import (
     FirstPointTooFar,
@@ -619,6 +620,24 @@ async def test_of_offsets_with_a_wrong_one_none_is_carried_out(
         await stream.play(np.array([offset]))  # the stream goes on
     steps = np.array([call.args[0] for call in controller.server.received("servo_tcp")])
     assert steps[:, 0].sum() == pytest.approx(0.02)
+
+
+async def test_offsets_of_two_tasks_add_up(controller: Controller) -> None:
+    """Each is relative to the one before, whoever has sent that, also if they wait for room."""
+    opened = controller.servo.tcp_offset(v=1.0, a=5.0, rate=200, ahead=1, options=THREAD)
+
+    async def send(stream: OffsetStream, *, whole: bool) -> None:
+        offsets = [[0.001, 0.0, 0.0, 0.0, 0.0, 0.0]] * 10
+        if whole:
+            await stream.play(offsets)
+        for offset in () if whole else offsets:
+            await stream.send(offset)
+
+    async with opened as stream, anyio.create_task_group() as tasks:
+        for whole in (False, False, True):
+            tasks.start_soon(partial(send, stream, whole=whole))
+    steps = np.array([call.args[0] for call in controller.server.received("servo_tcp")])
+    assert steps[:, 0].sum() == pytest.approx(0.03)
 
 
 async def test_of_two_tasks_that_wait_for_room_each_is_woken(controller: Controller) -> None:

@@ -21,25 +21,30 @@ if TYPE_CHECKING:
 
 
 _Pair = tuple[float, float]
+_NOWHERE = (0.0,) * 6
 
 
 class OffsetStream(Stream):
     """A stream of offsets of the tool, each relative to the end of the one before."""
 
-    def _placed(
-        self, name: str, given: VectorLike, before: tuple[float, ...] | None
-    ) -> tuple[float, ...]:
+    def _placed(self, values: tuple[float, ...]) -> tuple[float, ...]:
         """Add an offset to the earlier ones, relative to the tool at the stream's start.
 
         The axes are those of the tool at that time, or those of the frame in which offsets are
         given.
         """
         space = POSE_SPACE
-        start, offset = space.decode(before or (0.0,) * 6), space.decode(self._check(name, given))
+        start, offset = space.decode(self._last or _NOWHERE), space.decode(values)
         if self._sent.turning is None:
             return space.encode(space.composed(start, offset))
-        none = space.decode((0.0,) * 6)
+        none = space.decode(_NOWHERE)
         return space.encode(space.moved(start, space.difference(none, offset)))
+
+    def _checked(self, name: str, given: VectorLike) -> tuple[float, ...]:
+        """Check an offset, also its size."""
+        values = tuple(self._check(name, given))
+        self._check_step(values, _NOWHERE, name)
+        return values
 
     async def send(self, point: VectorLike) -> None:
         """Send one offset.
@@ -52,7 +57,7 @@ class OffsetStream(Stream):
             SetPointTooFar: it is larger than the stream allows; nothing was sent.
             StreamError: the stream has ended; the error says why.
         """
-        await super().send(self._placed("point", point, self._last))
+        await self._feed((self._checked("point", point),), self._feeding.queued)
 
     async def play(self, trajectory: Any, times: Any = None) -> None:
         """Send a list of offsets, and wait until the worker has taken them.
@@ -68,16 +73,11 @@ class OffsetStream(Stream):
         """
         if times is not None:
             raise ParameterError("times", times, "left out: an offset says how far, not when")
-        points, before = [], self._last
-        for index, offset in enumerate(listed("trajectory", trajectory, "a list of offsets")):
-            name = f"trajectory[{index}]"
-            point = self._placed(name, offset, before)
-            self._check_step(point, before, name)
-            points.append(point)
-            before = point
+        given = listed("trajectory", trajectory, "a list of offsets")
+        offsets = [self._checked(f"trajectory[{index}]", each) for index, each in enumerate(given)]
         async with self._ended_by_interrupts():
-            if points:
-                await self._feed(points, self._feeding.capacity)
+            if offsets:
+                await self._feed(offsets, self._feeding.capacity)
             await self._taken()
 
 
