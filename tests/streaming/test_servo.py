@@ -742,6 +742,25 @@ async def test_a_stream_says_what_chunks_need(controller: Controller) -> None:
             await stream.send_chunk([near(0.0)])
 
 
+@workers
+async def test_an_envelope_of_as_many_limits_as_are_allowed(
+    controller: Controller, options: WorkerOptions
+) -> None:
+    """Each is turned, and has a name that takes six bytes for each of its letters."""
+    zones = [
+        Zone.box([3.1 + n / 7, 1 / 3, 1 / 7, 0.3, 0.7, 0.1], [1 / 3] * 3, name=f"{'区' * 61}{n}")
+        for n in range(100)
+    ]
+
+    async def envelope(_: object) -> CheckedEnvelope:
+        return Envelope("gcr5_910", *zones).packed([0.0] * 6), [0.0] * 6, 0.1
+
+    servo = Servo(replace(controller.endpoint, envelope=envelope))
+    async with servo.joints(v=1.0, a=5.0, options=options) as stream:
+        await stream.send(HERE)
+    assert controller.points()[-1] == pytest.approx(HERE)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("then", ["refuses a set-point", "refuses the stop"])
 async def test_the_envelope_stays_the_reason_whatever_fails_after_it(

@@ -25,7 +25,6 @@ from aioduco.streaming.shared.words import StatusWord
 
 _MAGIC = 0x61696F6475636F31
 _HEADER = struct.Struct("<QQ")
-_CONFIG = 65536  # an envelope of 100 limits takes half of it
 _TEXT = 1024
 
 #: the worker's measurements; times in nanoseconds, depth in points
@@ -36,11 +35,17 @@ _WORDS = 32
 _REPORT = 4  # slots: the reader always finds a slot that is not being written
 
 
-def _sizes(config: WorkerConfig) -> list[int]:
-    """Bytes of the parts: configuration, control, status, text, report, ring, each histogram."""
+def _sizes(config: WorkerConfig, length: int) -> list[int]:
+    """Bytes of the parts: configuration, control, status, text, report, ring, each histogram.
+
+    Args:
+        config: the configuration.
+        length: its bytes.
+    """
+    head = -(-(_HEADER.size + length) // 8) * 8  # the words behind it are aligned
     rings = Ring.size(_REPORT), Ring.size(config.feeding.capacity, config.extra)
     counts = [8 * Histogram.WORDS] * len(HISTOGRAMS)
-    return [_HEADER.size + _CONFIG, 8 * _WORDS, 8 * _WORDS, _TEXT, *rings, *counts]
+    return [head, 8 * _WORDS, 8 * _WORDS, _TEXT, *rings, *counts]
 
 
 class Block:
@@ -48,7 +53,7 @@ class Block:
 
     Args:
         memory: the mapped memory.
-        config: the worker's configuration, for the side that makes the block.
+        text: the worker's configuration, packed, for the side that makes the block.
         backing: the memory's owner, which can pass it to another process; None within one process.
 
     Attributes:
@@ -62,16 +67,13 @@ class Block:
     def __init__(
         self,
         memory: mmap.mmap | memoryview,
-        config: WorkerConfig | None = None,
+        text: bytes = b"",
         backing: MemoryFile | NamedMemory | None = None,
     ) -> None:
         self._memory = memory
         self._view = memoryview(memory)
         self._backing = backing
-        if config is not None:
-            text = config.pack()
-            if len(text) > _CONFIG:
-                raise ValueError(f"the configuration of a worker has {len(text)} bytes")
+        if text:
             _HEADER.pack_into(memory, 0, _MAGIC, len(text))
             memory[_HEADER.size : _HEADER.size + len(text)] = text
         magic, length = _HEADER.unpack_from(memory)
@@ -80,8 +82,8 @@ class Block:
         self.config: WorkerConfig = WorkerConfig.unpack(
             bytes(memory[_HEADER.size : _HEADER.size + length])
         )
-        _, *sizes = _sizes(self.config)
-        ends = itertools.accumulate(sizes, initial=_HEADER.size + _CONFIG)
+        head, *sizes = _sizes(self.config, length)
+        ends = itertools.accumulate(sizes, initial=head)
         parts = [self._view[begin:end] for begin, end in itertools.pairwise(ends)]
         control, status, self._text, report, ring, *histograms = parts
         self.control: memoryview[int] = control.cast("Q")
@@ -101,12 +103,13 @@ class Block:
             config: the worker's configuration.
             shared: whether another process opens it, by its `handle`.
         """
-        size = sum(_sizes(config))
+        text = config.pack()
+        size = sum(_sizes(config, len(text)))
         if not shared:
-            return cls(mmap.mmap(-1, size), config)
+            return cls(mmap.mmap(-1, size), text)
         backing = MemoryFile.make(size) if has_memory_files() else NamedMemory.make(size)
         try:
-            return cls(backing.map(), config, backing)
+            return cls(backing.map(), text, backing)
         except BaseException:
             backing.close()
             raise
@@ -116,7 +119,7 @@ class Block:
         """Open a block that another process made, by its `handle`; closes a descriptor."""
         backing = MemoryFile(handle) if isinstance(handle, int) else NamedMemory.open(handle)
         try:
-            return cls(backing.map(), None, backing)
+            return cls(backing.map(), backing=backing)
         finally:
             backing.close_descriptor()
 
