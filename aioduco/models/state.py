@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from aioduco._process import trial
 from aioduco._process.copying import Frozen
-from aioduco.errors import ParameterError
 from aioduco.models.enums import SafetyState
 from aioduco.models.numpy_on_use import np
 
@@ -276,9 +275,9 @@ class IOStatus(Sample):
 
 def _numbered(num: int, signals: tuple[bool, ...]) -> bool:
     """Return the signal with this number on the controller, where numbers begin with 1."""
-    if not 1 <= num <= len(signals):
-        raise ParameterError("num", num, f"from 1 to {len(signals)}")
-    return signals[num - 1]
+    from aioduco.models.rules import Integer  # noqa: PLC0415 - a stop from a shell needs none
+
+    return signals[Integer(1, len(signals), source="1.3.7")("num", num) - 1]
 
 
 def alarm_of(status: RobotStatus, states: RobotStates) -> str:

@@ -21,7 +21,7 @@ import anyio
 from aioduco._process import trial
 from aioduco._process.copying import Uncopied
 from aioduco.errors import DucoError, FeedOverflow, ParameterError, RobotStateError, StaleState
-from aioduco.models.ranges import STATE_RATE
+from aioduco.models.ranges import FLAG, STATE_RATE
 from aioduco.models.ranges import TIMEOUT as SECONDS
 from aioduco.models.rules import Integer, condition_holds
 from aioduco.models.similar import MisspeltRefused
@@ -258,7 +258,7 @@ class StateFeed(Uncopied, MisspeltRefused):
 
     @forces.setter
     def forces(self, forces: bool) -> None:
-        self._forces = forces
+        self._forces = FLAG("forces", forces)
 
     @property
     def rate(self) -> float:

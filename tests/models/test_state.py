@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
 from aioduco._wire import rpc
@@ -20,7 +22,8 @@ def test_signals_have_the_controllers_numbers() -> None:
     assert (sample.output(1), sample.output(16)) == (False, True)
     assert (sample.tool_input(1), sample.tool_input(2)) == (True, False)
     assert not sample.tool_output(1)
-    for num in (0, 17, -1):
+    others: list[Any] = ["3", 1.0, True, None]
+    for num in (0, 17, -1, *others):
         with pytest.raises(ParameterError, match="from 1 to 16"):
             sample.input(num)
     with pytest.raises(ParameterError, match="from 1 to 2"):

@@ -8,7 +8,7 @@ import itertools
 import math
 import threading
 from collections.abc import Callable
-from typing import Any
+from typing import Any, cast
 
 import anyio
 import numpy as np
@@ -377,6 +377,8 @@ async def test_a_path_of_poses_with_outputs(controller: Controller) -> None:
     on = Op.at_start(output(3))
     async with opened as stream:
         await stream.send(start)
+        with pytest.raises(ParameterError, match="an Op, or None"):
+            await stream.send(start, cast("Op", 3))
         await stream.send([0.51, *start[1:]], on)
     assert pool.points == [PointOp(start, Op().wire()), PointOp([0.51, *start[1:]], on.wire())]
     assert controller.server.received("trackCartMotion")[0].args == (

@@ -426,6 +426,8 @@ async def test_forces_are_read_when_they_are_asked_for(bench: Bench) -> None:
         sample = await robot.feed.latest()
         with pytest.raises(RobotStateError, match=r"feed\.forces = True"):
             _ = sample.forces
+        with pytest.raises(aioduco.ParameterError, match="True or False"):
+            robot.feed.forces = "off"  # type: ignore[assignment]
         robot.feed.forces = True
         sample = await robot.feed.latest()
         assert sample.forces.tool.tolist() == [1.0, 2.0, -30.0, 0.1, 0.2, 0.3]

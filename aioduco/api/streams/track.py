@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 from aioduco._wire import rpc
 from aioduco.api.streams import StreamMaker
 from aioduco.api.streams.arguments import per_group
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
+from aioduco.models.op import Op, wire_op
 from aioduco.models.rules import Integer, Real, VectorLike
 from aioduco.models.words import one_of
 from aioduco.streaming.shared.config import StreamSpec
@@ -17,10 +18,6 @@ from aioduco.streaming.shared.space import Limits
 from aioduco.streaming.stream import Stream
 from aioduco.streaming.worker.encoding import element_tail
 from aioduco.supervision.motion_sources import TRACK_POOL
-
-if TYPE_CHECKING:
-    from aioduco.models.op import Op
-
 
 POOL = 1000  # points that fit (manual 1.3.12)
 LEAST = 10  # points to keep in the pool, for a motion without a halt (manual 1.3.12)
@@ -83,7 +80,7 @@ class TrackStream(Stream):
             if op is not None:
                 raise ParameterError("op", op, "left out, or the stream opened with operations")
             return b""
-        made = rpc.Op() if op is None else op.wire("op", joint_motion=self._sent.in_joints)
+        made = wire_op("op", op, joint_motion=self._sent.in_joints)
         tail = element_tail("trackEnqueueOp", lambda q: rpc.PointOp(q, made))
         if len(tail) > _EXTRA:
             raise ParameterError("op", op, f"up to {_EXTRA} bytes on the wire, not {len(tail)}")
