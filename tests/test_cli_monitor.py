@@ -166,9 +166,14 @@ def test_a_chart_shows_the_largest_value_of_each_column() -> None:
             MonitorState("a", sample=sample((6, 0, 5, 1), jointActualVelocity=[0.0] * 6), age=0),
             "standing, no task",
         ),
+        (
+            MonitorState("a", sample=sample(jointActualVelocity=[math.nan] * 6), age=0),
+            "no speeds are told, ",
+        ),
+        (MonitorState("a", sample=sample(jointActualVelocity=[]), age=0), "no speeds are told, "),
     ],
 )
-@pytest.mark.cases(7)
+@pytest.mark.cases(9)
 def test_the_screen_says_what_is_wrong(state: MonitorState, said: str) -> None:
     assert said in "\n".join(drawn(state))
 

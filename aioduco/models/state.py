@@ -289,7 +289,9 @@ def alarm_of(status: RobotStatus, states: RobotStates) -> str:
     return f"SAFETY {states.safety.name}" if states.safety in _STOPS else ""
 
 
-def standing(status: RobotStatus) -> bool:
-    """Whether the speeds of a sample, as far as they were sent, are those of an arm that stands."""
-    speeds = (*status.joint_speeds.tolist(), *status.tool_speed.tolist())
-    return all(math.isnan(speed) or abs(speed) < _STANDS for speed in speeds)
+def standing(status: RobotStatus) -> bool | None:
+    """Whether a sample's speeds are those of an arm that stands; None if they were not sent."""
+    joints, tool = status.joint_speeds.tolist(), status.tool_speed.tolist()
+    if any(abs(speed) >= _STANDS for speed in (*joints, *tool)):
+        return False
+    return None if any(map(math.isnan, joints)) and any(map(math.isnan, tool)) else True

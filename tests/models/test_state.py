@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from typing import Any
+import math
 
 import pytest
 
 from aioduco._wire import rpc
 from aioduco.errors import ParameterError
 from aioduco.models.samples import Samples
+from aioduco.models.state import standing
 
 
 def test_signals_have_the_controllers_numbers() -> None:
@@ -28,3 +30,29 @@ def test_signals_have_the_controllers_numbers() -> None:
             sample.input(num)
     with pytest.raises(ParameterError, match="from 1 to 2"):
         sample.tool_output(3)
+
+
+@pytest.mark.parametrize(
+    ("joints", "tool", "stands"),
+    [
+        ([0.0] * 6, [], True),
+        ([], [0.0] * 6, True),
+        ([math.nan] * 6, [math.nan] * 6, None),
+        ([], [], None),
+        ([0.0] * 5 + [math.nan], [], None),
+        ([math.nan] * 5 + [0.1], [], False),
+        ([], [0.0, 0.1, 0.0, 0.0, 0.0, 0.0], False),
+    ],
+)
+def test_an_arm_stands_if_its_speeds_say_so(
+    joints: list[float], tool: list[float], stands: bool | None
+) -> None:
+    told = rpc.RobotStatus(
+        jointActualPosition=[0.0] * 6,
+        jointExpectPosition=[0.0] * 6,
+        cartActualPosition=[0.0] * 6,
+        cartExpectPosition=[0.0] * 6,
+        jointActualVelocity=joints,
+        cartActualVelocity=tool,
+    )
+    assert standing(Samples().status(told)) is stands

@@ -104,7 +104,8 @@ class MonitorState:
         if self.sample is None:
             return "waiting for the first answer"
         program = self.sample.states.program
-        motion = "standing" if standing(self.sample.status) else "moving"
+        stands = standing(self.sample.status)
+        motion = "no speeds are told" if stands is None else "standing" if stands else "moving"
         running = program not in {ProgramState.STOPPED}
         task = f"task {program.name}" if running else "no task"
         return ", ".join((motion, task, *((f"project {self.project}",) if self.project else ())))

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 def page_sample(sample: Snapshot) -> dict[str, Any]:
     """The message about a sample, sent many times a second."""
     status, io, states = sample.status, sample.io, sample.states
-    forces = sample.read_forces
+    forces, stands = sample.read_forces, standing(status)
     return {
         "joints": _rounded(status.joints, 5),
         "told": _rounded(status.expected_joints, 5),
@@ -37,7 +37,7 @@ def page_sample(sample: Snapshot) -> dict[str, Any]:
         "program": states.program.name,
         "safety": states.safety.name,
         "mode": states.mode.name,
-        "moving": not standing(status),
+        "moving": None if stands is None else not stands,
     }
 
 

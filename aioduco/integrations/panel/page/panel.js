@@ -319,7 +319,7 @@ function showState() {
   pill("program", now.program, now.program === "STOPPED" ? "" : "on");
   pill("safety", now.safety, /^STOP|FAIL|ERROR/.test(now.safety) ? "bad" : "good");
   pill("mode", now.mode, "");
-  pill("moving", now.moving ? "MOVING" : "STANDS", now.moving ? "on" : "good");
+  pill("moving", now.moving === null ? "NOT TOLD" : now.moving ? "MOVING" : "STANDS", now.moving === null ? "warn" : now.moving ? "on" : "good");
   now.joints.forEach((angle, index) => {
     const row = jogRows[index], low = hello ? hello.lower[index] : -6.28, high = hello ? hello.upper[index] : 6.28;
     row.value.textContent = `${fixed(angle === null ? null : angle * DEGREE, 2)}°`;
