@@ -42,6 +42,7 @@ def test_the_project_is_green_as_written(tmp_path: Path) -> None:
             step, cwd=here, env=environment, capture_output=True, text=True, check=False
         )
         assert done.returncode == 0, (step, done.stdout, done.stderr)
+        assert "Warning" not in done.stdout + done.stderr, (step, done.stdout, done.stderr)
 
 
 @pytest.mark.parametrize("model", models())

@@ -19,8 +19,8 @@ from aioduco.models.toml_files import quoted
 
 #: the files of a project, as texts with $ before what is filled in: in the folder `project`
 _FILES: Final = (
-    "cell.toml", "main.py", "test_main.py", "requirements.txt", ".github/workflows/checks.yml",
-    "README.md",
+    "cell.toml", "main.py", "test_main.py", "pytest.ini", "requirements.txt",
+    ".github/workflows/checks.yml", "README.md",
 )  # fmt: skip
 
 
