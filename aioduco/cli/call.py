@@ -98,7 +98,7 @@ def call(
     if not call_kind(SPELLINGS.get(name, name)).repeatable:
         ask(f"{where}({', '.join(shown)}) on {address}", "Go on?", yes=yes)
     try:
-        with ended_by_errors("interrupted: what moved was stopped"), robot:
+        with ended_by_errors("interrupted: what moved was stopped", address.where), robot:
             if (limits := limits_at(address)) is not None:
                 robot.envelope = limits
             result = function(*positional, **named)

@@ -42,11 +42,11 @@ class Terminated(KeyboardInterrupt):
         self.number = number
 
 
-def say_error(told: object) -> None:
-    """Print an error or advice of the robot, with commands in place of its functions."""
+def say_error(told: object, at: str = "") -> None:
+    """Print an error or advice of the robot, with commands (for the arm `at`) for functions."""
     from aioduco.cli.command_terms import in_commands  # noqa: PLC0415 - quick stop
 
-    say(in_commands(told), error=True)
+    say(in_commands(told, at), error=True)
 
 
 def fail(message: object, code: int = FAILED) -> NoReturn:
@@ -88,11 +88,12 @@ def write_file(path: Path, text: str, errors: str = "strict") -> None:
 
 
 @contextmanager
-def ended_by_errors(interrupted: str = "interrupted") -> Iterator[None]:
+def ended_by_errors(interrupted: str = "interrupted", at: str = "") -> Iterator[None]:
     """End the command on an error or a signal, with a message and an exit code.
 
     Args:
         interrupted: message after Ctrl-C, SIGTERM or SIGHUP.
+        at: address of the arm, for the commands that the message names.
     """
     from aioduco.cli.signals import handled, termination_signals  # noqa: PLC0415 - quick help
     from aioduco.errors import (  # noqa: PLC0415 - quick help
@@ -117,16 +118,16 @@ def ended_by_errors(interrupted: str = "interrupted") -> Iterator[None]:
         try:
             yield
         except StopUnconfirmed as error:
-            say_error(error)
+            say_error(error, at)
             code = STOP_UNCONFIRMED
         except PersonNeeded as error:
-            say_error(error)
+            say_error(error, at)
             code = PERSON_NEEDED
         except ParameterError as error:  # of an option or argument; nothing was sent
-            say_error(error)
+            say_error(error, at)
             code = USAGE
         except (DucoError, OSError) as error:  # an OSError: of a file
-            say_error(error)
+            say_error(error, at)
             code = FAILED
         except KeyboardInterrupt as end:
             say(interrupted, error=True)

@@ -37,7 +37,7 @@ def observing_session(address: RobotAddress, **options: Any) -> Iterator[Robot]:
 
     options = {"heartbeat": None, "lag_limit": None, **options}
     with (
-        ended_by_errors(),
+        ended_by_errors(at=address.where),
         aioduco.sync.connect(address.host, address.port, **options) as robot,
     ):
         yield robot
@@ -56,7 +56,7 @@ def control_session(address: RobotAddress, **options: Any) -> Iterator[Robot]:
     import aioduco.sync  # noqa: PLC0415 - for commands with a robot alone
 
     options = {"lag_limit": None, **options}
-    with ended_by_errors("interrupted: the arm was stopped, and stands"):
+    with ended_by_errors("interrupted: the arm was stopped, and stands", address.where):
         limits = limits_at(address)
         with aioduco.sync.connect(address.host, address.port, **options) as robot:
             if limits is not None:

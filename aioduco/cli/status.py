@@ -11,7 +11,6 @@ from aioduco.cli.addresses import CellFile, Host, Port, RobotAddress, robot_at
 from aioduco.cli.exit_codes import FAILED
 from aioduco.cli.output import one_line, print_json, say
 from aioduco.cli.sessions import observing_session
-from aioduco.models.host_port import host_port
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -141,7 +140,7 @@ def remedy(address: RobotAddress, found: dict[str, Any]) -> str:
     """What makes an arm ready that is not; with its address, or it would be the default robot."""
     from aioduco.models.enums import ProgramState, RobotState  # noqa: PLC0415
 
-    arm = host_port(address.host, address.port)
+    arm = address.where
     if found["emergency_stop"]:
         return f"release the emergency stop, then `aioduco recover {arm}`"
     if found["collision_joint"] is not None:

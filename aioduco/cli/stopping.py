@@ -61,7 +61,7 @@ def stop_at(address: RobotAddress, *, as_json: bool) -> None:
 
     Errors and signals end the command.
     """
-    with ended_by_errors():
+    with ended_by_errors(at=address.where):
         states = anyio.run(stop_arm, address.host, address.port)
     if as_json:
         print_json(states)

@@ -144,8 +144,10 @@ def resume(
 def _ready(address: RobotAddress, report: RecoverReport, as_json: bool) -> None:
     """Print the states of an arm that can move, and what to do before forces are measured."""
     if as_json:
-        print_json(json_value(report.states) | {"advice": in_commands(report.advice)})
+        print_json(
+            json_value(report.states) | {"advice": in_commands(report.advice, address.where)}
+        )
     else:
         say(f"{address}: ready; {report.states}")
     if report.advice:
-        say_error(report.advice)
+        say_error(report.advice, address.where)

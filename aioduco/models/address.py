@@ -52,9 +52,13 @@ class RobotAddress:
     name: str = ""
     cell: str = ""
 
+    @property
+    def where(self) -> str:
+        """Host and port, as commands take them."""
+        return host_port(self.host, self.port)
+
     def __str__(self) -> str:
-        where = host_port(self.host, self.port)
-        return f"{self.name} ({where})" if self.name else where
+        return f"{self.name} ({self.where})" if self.name else self.where
 
 
 def is_host(host: object) -> bool:

@@ -398,7 +398,7 @@ class EnvelopeKeeper:
             done = "was not sent, and the arm was stopped"
         raise EnvelopeViolated(
             f"{name} {done}: {why}: {found}. Choose another "
-            "way or target, or set another robot.envelope",
+            "way or target, or change robot.envelope",
             *found[:4],
         )
 

@@ -214,14 +214,14 @@ class EnvelopeWatch:
     def _unwatched(self) -> str:
         if not self._has_speeds:
             return (
-                f"the envelope is not watched: {_NO_SPEEDS}. Set robot.envelope to None for an arm "
-                "that cannot report them"
+                f"the envelope is not watched: {_NO_SPEEDS}. Take robot.envelope away (None) for "
+                "an arm that cannot report them"
             )
         error = self._feed.error
         return (
             f"the envelope is not watched: no sample of the state came for "
             f"{self._silence.seconds:.2g} s{'' if error is None else f' ({error})'}. "
-            "Try again when the controller answers, or set robot.envelope to None"
+            "Try again when the controller answers, or take robot.envelope away (None)"
         )
 
     async def _look_for_samples(self) -> None:

@@ -8,7 +8,7 @@ import sys
 import pytest
 
 import aioduco
-from aioduco.cli.command_terms import COMMANDS, in_commands
+from aioduco.cli.command_terms import commands, in_commands
 from aioduco.integrations.panel.panel import _BUTTONS
 from aioduco.integrations.ros.trajectory_goals import _IN_PLACE_OF, said
 from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState
@@ -41,7 +41,7 @@ def test_functions_are_replaced_and_nothing_else_is() -> None:
         assert in_terms_of(names, text) == (told or text)
 
 
-@pytest.mark.parametrize("names", [_IN_PLACE_OF, COMMANDS, _BUTTONS])
+@pytest.mark.parametrize("names", [_IN_PLACE_OF, commands(), commands("10.0.0.7:7003"), _BUTTONS])
 def test_every_door_names_what_it_has(names: dict[str, str]) -> None:
     assert all(place(name) or hasattr(aioduco.Robot, name) for name in names)
     told = ["the event loop hung; call robot.rearm_heartbeat() or robot.recover() to go on"]
@@ -62,6 +62,19 @@ def test_the_user_of_commands_has_one_for_each_function_of_the_manual() -> None:
         "`aioduco call movel`(...), `aioduco call get_tcp_pose` or `aioduco call fc_start`"
     )
     assert in_commands("robot.rearm_heartbeat() or robot.recover()") == "`aioduco recover`"
+
+
+def test_commands_name_the_arm_of_the_command_that_says_them() -> None:
+    at = "10.0.0.7:7003"
+    for text, told in {
+        "call robot.recover()": f"call `aioduco recover {at}`",
+        "bring_up()": f"`aioduco bring-up {at}`",
+        "robot.motion.move_jog or robot.force.fc_start": (
+            f"`aioduco jog --host {at}` or `aioduco call fc_start --host {at}`"
+        ),
+        "change robot.envelope": "change the envelope in the file that gives it",
+    }.items():
+        assert in_commands(text, at) == told
 
 
 def test_log_messages_are_in_these_terms_and_tracebacks_stay() -> None:

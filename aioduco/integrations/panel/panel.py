@@ -118,6 +118,7 @@ _BUTTONS: Final = {
     "rearm_heartbeat": "Recover",
     "stop": "STOP",
     "resume": "Resume",
+    "envelope": "the envelope in the file that gives it",
 }
 
 
