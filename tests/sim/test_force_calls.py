@@ -149,7 +149,7 @@ def test_force_control_needs_an_enabled_arm_and_a_sensor(sim: Simulator, robot: 
         assert robot.ended(robot.fc_start()) == TaskState.ERROR
         assert "no force sensor" in robot.get_last_error()[-1]
         assert robot.ended(robot.fc_force_set_value(ON, SIX)) == TaskState.ERROR
-        assert robot.fc_get_ft() == []
+        assert robot.fc_get_ft() == robot.get_tcp_force() == robot.get_tcp_force_tool("") == []
     finally:
         sim.cabinet.force_sensor = True
     assert not robot.fc_mode_is_active()

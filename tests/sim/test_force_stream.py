@@ -18,6 +18,7 @@ from aioduco.compat import DucoCobot
 from aioduco.errors import ConnectionLost, ProtocolError
 from aioduco.models.force_sample import FORCE_REQUEST, ForceSample
 from aioduco.models.pose import Pose
+from aioduco.models.status_frame import FRAME_SIZE, StatusFrame
 from aioduco.sim import Simulator
 from aioduco.sim.server.force_server import ForceServer
 from aioduco.testing import eventually
@@ -45,6 +46,24 @@ def test_who_asks_gets_forces_and_poses() -> None:
         robot.open()
         assert struct.unpack("<12f", second)[6:] == pytest.approx(robot.get_tcp_pose(), abs=1e-5)
         robot.close()
+
+
+def test_without_a_sensor_nothing_is_sent_and_the_status_tells_no_force() -> None:
+    with Simulator(force_port=0, status_port=0, speed=math.inf) as sim:
+        sim.cabinet.force_sensor = False
+        sim.push((0.0, 0.0, -20.0, 0.0, 0.0, 0.0))
+        assert sim.force_port
+        assert sim.status_port
+        with client(sim.force_port) as opened:
+            opened.send(FORCE_REQUEST)
+            with socket.create_connection((sim.host, sim.status_port), 10.0) as pushed:
+                data = b""
+                while len(data) < 4 * FRAME_SIZE:  # 0.3 s, in which thirty samples would come
+                    data += pushed.recv(FRAME_SIZE)
+            assert StatusFrame.decode(data[:FRAME_SIZE]).tcp_force == (0.0,) * 6
+            opened.setblocking(False)
+            with pytest.raises(BlockingIOError):
+                opened.recv(4096)
 
 
 async def test_our_client_takes_what_the_simulator_sends() -> None:

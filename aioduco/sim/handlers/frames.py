@@ -120,11 +120,11 @@ class FrameHandlers(HandlerSection):
         self._carry(controller)
 
     def get_tcp_force(self) -> list[float]:
-        """Force and torque on the tool's tip along the base's axes [N, N m]."""
+        """Force and torque on the tool's tip along the base's axes [N, N m], by a sensor."""
         return self._external(ForceAxes(self._runtime.snapshot.view.tool.matrix, np.eye(4), False))
 
     def get_tcp_force_tool(self, tool: str) -> list[float]:
-        """Force and torque on a tool's tip along its own axes [N, N m]."""
+        """Force and torque on a tool's tip along its own axes [N, N m], by a sensor."""
         try:
             matrix = self._frames.tool(tool).matrix
         except Rejected as exc:
@@ -132,6 +132,8 @@ class FrameHandlers(HandlerSection):
         return self._external(ForceAxes(matrix, np.eye(4)))
 
     def _external(self, axes: ForceAxes) -> list[float]:
+        if not self._cabinet.force_sensor:
+            return []
         snapshot = self._runtime.snapshot
         flange = self._arm.fkine(snapshot.q)[:3, :3]
         return axes.seen(snapshot.view.sensor.external(snapshot.wrench, flange), flange)

@@ -26,22 +26,23 @@ _MOST_CLIENTS: Final = 8
 _RECEIVE: Final = 256
 
 
-def force_sample_of(robot: rpc.Functions) -> ForceSample:
-    """Make a sample of a controller's answers to calls."""
-    return ForceSample(tuple(robot.get_tcp_force()), Pose(*robot.get_tcp_pose()))
+def force_sample_of(robot: rpc.Functions) -> ForceSample | None:
+    """Make a sample of a controller's answers to calls; None without a force sensor."""
+    force = tuple(robot.get_tcp_force())
+    return ForceSample(force, Pose(*robot.get_tcp_pose())) if force else None
 
 
 class ForceServer:
     """A UDP port that streams to those who ask.
 
     Args:
-        sample: makes the sample of the present instant.
+        sample: makes the sample of the present instant; None: nothing is sent.
         host: address to listen on.
         port: UDP port; 0 picks a free one, which the attribute `port` then gives.
     """
 
     def __init__(
-        self, sample: Callable[[], ForceSample], *, host: str = "127.0.0.1", port: int = 0
+        self, sample: Callable[[], ForceSample | None], *, host: str = "127.0.0.1", port: int = 0
     ) -> None:
         self.host = host
         self.port: int = port
@@ -113,9 +114,12 @@ class ForceServer:
         if not self._clients:
             return
         try:
-            data = self._sample().encode()
+            sample = self._sample()
         except Refusal:
             return  # the simulation has ended: there is nothing to send
+        if sample is None:
+            return
+        data = sample.encode()
         for client in self._clients:
             with contextlib.suppress(OSError):  # its buffer is full, or it has gone
                 opened.sendto(data, client)
