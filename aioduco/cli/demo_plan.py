@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, NamedTuple
 import anyio
 import anyio.to_thread
 import numpy as np
-import typer
 
 import aioduco
 from aioduco.cli import extras
-from aioduco.cli.command_terms import in_commands
 from aioduco.cli.demo_run import OUTPUT, write_result
+from aioduco.cli.exit_codes import ended_by_errors, writing
 from aioduco.cli.safe_console import SafeConsole
-from aioduco.errors import DucoError, GoalInCollision, PlanningError, RenderError
+from aioduco.errors import GoalInCollision, PlanningError, RenderError
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.whole_files import whole_file
 from aioduco.planning import Plan, Planner, Scene
@@ -134,10 +133,11 @@ def save_pictures(plan: Plan, scene: Scene, folder: Path, console: SafeConsole) 
     except RenderError as error:
         console.print(f"no pictures: {error}", highlight=False)
         return
-    folder.mkdir(parents=True, exist_ok=True)
+    with writing(folder):
+        folder.mkdir(parents=True, exist_ok=True)
     for name, picture in drawn.items():
         path = folder / f"demo-{name}.png"
-        with whole_file(path) as file:
+        with writing(path), whole_file(path) as file:
             Image.fromarray(picture).save(file, "png", optimize=True)
         console.print(f"picture: {path}", highlight=False)
 
@@ -150,13 +150,10 @@ def run_planned(model: str, result: Path | None, pictures: Path | None) -> None:
     """Plan and carry out ways round an obstacle, on a simulated arm."""
     arm = extras.arm(model)
     console = SafeConsole(stderr=result == OUTPUT)
-    try:
-        with Simulator.spawn(model=model, joints=LEFT_THERE, scene=[obstacle(arm)]) as sim:
-            steps = anyio.run(perform_plans, sim, arm, console, pictures)
-    except DucoError as error:
-        console.print(
-            f"error: {in_commands(error)}", style="bold red", markup=False, highlight=False
-        )
-        raise typer.Exit(1) from None
+    with (
+        ended_by_errors(),
+        Simulator.spawn(model=model, joints=LEFT_THERE, scene=[obstacle(arm)]) as sim,
+    ):
+        steps = anyio.run(perform_plans, sim, arm, console, pictures)
     if result is not None:
         write_result({"model": model, "steps": [step._asdict() for step in steps]}, result)

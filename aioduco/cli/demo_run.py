@@ -25,7 +25,7 @@ from rich.text import Text
 
 import aioduco
 from aioduco.cli import extras
-from aioduco.cli.exit_codes import write_file
+from aioduco.cli.exit_codes import write_file, writing
 from aioduco.cli.monitor.screen import arm_table
 from aioduco.cli.monitor.view_state import MonitorState
 from aioduco.cli.output import say
@@ -610,7 +610,8 @@ def run(
     if shown.error:
         console.print(f"error: {shown.error}", style="bold red", markup=False, highlight=False)
     if plot is not None and shown.samples:
-        shown.plot(arm, plot)
+        with writing(plot):
+            shown.plot(arm, plot)
         console.print(f"plot: {plot}", highlight=False)
     told = shown.as_json()
     if result is not None:

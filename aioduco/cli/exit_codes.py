@@ -57,6 +57,11 @@ def fail(message: object, code: int = FAILED) -> NoReturn:
     raise typer.Exit(code)
 
 
+def cannot_listen(where: str, error: OSError) -> NoReturn:
+    """End the command, which serves on a port that is taken or not allowed."""
+    fail(f"cannot listen on {where}: {error.strerror or error}")
+
+
 @contextmanager
 def failing(*kinds: type[Exception], code: int = FAILED) -> Iterator[None]:
     """End the command on errors of these kinds, with their message."""

@@ -13,12 +13,12 @@ import typer
 from aioduco.cli import extras
 from aioduco.cli.addresses import CellFile, Host, Port, robot_at
 from aioduco.cli.cell_file import load_cell
-from aioduco.cli.exit_codes import SIGNALLED, ended_by_errors, fail
+from aioduco.cli.exit_codes import SIGNALLED
 from aioduco.cli.jog import Manual  # noqa: TC001 - typer evaluates it
 from aioduco.cli.output import say
+from aioduco.cli.sessions import page_session
 from aioduco.cli.signals import receive_signals
 from aioduco.cli.sim_do import control_port_of
-from aioduco.errors import DucoError
 
 if TYPE_CHECKING:
     from aioduco.integrations.panel import Panel
@@ -81,7 +81,7 @@ def panel(
     directions = None if manual is None else manual.directions()
     import_module("aioduco.integrations.panel.arm_scene")  # imports viser too
 
-    with ended_by_errors():
+    with page_session(address, f"{bind}:{listen} (--bind, --listen)"):
         made = Panel(
             address.host,
             address.port,
@@ -97,13 +97,7 @@ def panel(
             hold_limit=hold_limit,
             directions=directions,
         )
-        try:
-            told = anyio.run(_serve, made, str(address))
-        except DucoError:
-            raise  # no controller: some are errors of the system, too, and none of this page's port
-        except OSError as error:
-            why = error.strerror or error
-            fail(f"cannot listen on {bind}:{listen} (--bind, --listen): {why}")
+        told = anyio.run(_serve, made, str(address))
     say("the panel was ended; what it moved stands", error=True)
     raise typer.Exit(SIGNALLED + told)
 

@@ -6,7 +6,7 @@ import time
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Final
 
-from aioduco.cli.exit_codes import Terminated, ended_by_errors, say_error
+from aioduco.cli.exit_codes import Terminated, cannot_listen, ended_by_errors, say_error
 from aioduco.cli.output import say
 
 if TYPE_CHECKING:
@@ -62,6 +62,25 @@ def control_session(address: RobotAddress, **options: Any) -> Iterator[Robot]:
             if limits is not None:
                 robot.envelope = limits
             yield robot
+
+
+@contextmanager
+def page_session(address: RobotAddress, where: str) -> Iterator[None]:
+    """Serve a page about an arm. Errors and signals end the command.
+
+    Args:
+        address: address of the controller.
+        where: where the page listens, for the message if that is not possible.
+    """
+    from aioduco.errors import DucoError  # noqa: PLC0415 - for commands with a page alone
+
+    with ended_by_errors(at=address.where):
+        try:
+            yield
+        except DucoError:
+            raise  # no controller: some are errors of the system, too, and none of this page's port
+        except OSError as error:
+            cannot_listen(where, error)
 
 
 def limits_at(address: RobotAddress) -> Envelope | None:

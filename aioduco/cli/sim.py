@@ -5,14 +5,14 @@ from __future__ import annotations
 import contextlib
 import sys
 from pathlib import Path  # noqa: TC003 - typer reads the annotations
-from typing import TYPE_CHECKING, Annotated, NoReturn, cast
+from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
 from aioduco.cli import extras, picture, watching
 from aioduco.cli.addresses import CellFile
 from aioduco.cli.cell_file import RobotName, load_cell, simulated_parts
-from aioduco.cli.exit_codes import USAGE, fail, failing
+from aioduco.cli.exit_codes import USAGE, cannot_listen, fail, failing
 from aioduco.cli.options import (
     MountingOption,
     Pedestal,
@@ -126,14 +126,14 @@ def sim(
         except OSError as error:
             given = (port, status_port, force_port)
             ports = " or ".join(str(each) for each in given if each is not None)
-            _fail_taken(host, ports, error)
+            cannot_listen(f"{host}:{ports}", error)
         with contextlib.ExitStack() as stack:
             stack.enter_context(contextlib.closing(simulator))
             commands = control_port_of(port) if control_port is None else control_port
             try:
                 lines = LineServer(Console(simulator).answer, commands)
             except OSError as error:
-                _fail_taken("127.0.0.1", f"{commands} for commands", error)
+                cannot_listen(f"127.0.0.1:{commands} for commands", error)
             stack.enter_context(contextlib.closing(lines))
             with failing(RenderError):
                 watch = watching.SimulatorWatch(simulator, render, view=view)
@@ -161,7 +161,3 @@ def _say_whom_programs_move(cell: Path | None, listed: CellRobot | None, host: s
             "not this one: for it, set `host` there to 127.0.0.1",
             error=True,
         )
-
-
-def _fail_taken(host: str, ports: str, error: OSError) -> NoReturn:
-    fail(f"cannot listen on {host}:{ports}: {error.strerror or error}")

@@ -24,7 +24,7 @@ from aioduco.cli.options import (
     require_writable,
 )
 from aioduco.cli.output import print_json, say
-from aioduco.cli.sessions import observing_session, wait_until_ended
+from aioduco.cli.sessions import observing_session, page_session, wait_until_ended
 from aioduco.cli.signals import receive_signals
 from aioduco.models.host_port import host_port
 from aioduco.supervision.concurrency import every
@@ -193,7 +193,7 @@ def _show_page(
     from aioduco.planning import Scene  # noqa: PLC0415
 
     import_module("aioduco.integrations.panel.arm_scene")
-    with ended_by_errors():
+    with page_session(address, f"port {listen}"):
         made = Panel(
             address.host,
             address.port,
@@ -204,10 +204,7 @@ def _show_page(
             scene=Scene(arm or "gcr5_910", mounting=base) if any(base) else None,
             twin=known or True,
         )
-        try:
-            told, count = anyio.run(_serve_page, made, str(address), seconds, as_json)
-        except OSError as error:
-            fail(f"cannot listen on port {listen}: {error.strerror or error}")
+        told, count = anyio.run(_serve_page, made, str(address), seconds, as_json)
     if told not in (0, signal.SIGINT):
         raise typer.Exit(SIGNALLED + told)
     if made.twin is not None and made.twin.error is not None:

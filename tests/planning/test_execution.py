@@ -258,6 +258,17 @@ def test_the_example() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.skipif(find_spec("ompl") is None, reason="OMPL has no build for this Python")
+def test_a_demonstration_whose_pictures_cannot_be_written_says_so(tmp_path: Path) -> None:
+    file = tmp_path / "file"
+    file.touch()
+    done = python(*COMMAND_LINE[1:], "demo", "--plan", "--pictures", str(file / "x"), timeout=110)
+    assert done.returncode == 2, done.stdout + done.stderr
+    assert f"{file / 'x'} cannot be written: " in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.slow
 def test_the_demonstration_is_for_a_simulated_arm() -> None:
     done = CliRunner().invoke(app, ["demo", "--plan", "--host", "127.0.0.1"])
     assert done.exit_code == 2

@@ -160,3 +160,6 @@ def test_the_command_shows_both_arms_and_commands_nothing() -> None:
     refused = CliRunner().invoke(app, ["twin", where, "--panel", "--action", "stop"])
     assert refused.exit_code == 2
     assert "for a twin without" in refused.output
+    nobody = CliRunner().invoke(app, ["twin", "127.0.0.1:1", "--panel", "--listen", "0"])
+    assert nobody.exit_code == 1
+    assert nobody.stderr.startswith("cannot connect to 127.0.0.1:1: ")
