@@ -14,6 +14,7 @@ from aioduco.models.enums import ProgramState, TaskState
 from aioduco.sim.cabinet.script import ProgramError, read
 from aioduco.sim.controller.programs import ProgramRun
 from aioduco.sim.controller.tasks import TaskTable
+from aioduco.sim.refusal import Pending
 from aioduco.sim.simulator import READY, Simulator
 
 from .conftest import (
@@ -350,33 +351,47 @@ def test_one_call_in_a_cycle_and_sleeping_keeps_time() -> None:
     assert made == [1, 1, 1, 1, 1, 1, 2, 2]
 
 
-@pytest.mark.parametrize(
-    ("ahead", "progress", "known"),
-    [((0, 1), 0.0, 2), ((0, 3), 0.0, 4), ((50, 3), 0.49, 1), ((50, 3), 0.5, 2)],
-)
+def test_a_motion_that_is_answered_early_is_waited_for_by_what_moves_nothing() -> None:
+    tasks, made = TaskTable(), list[tuple[str, int]]()
+
+    def make(name: str, values: tuple[Any, ...]) -> int:
+        made.append((name, tasks.new(name)))
+        if name == "movel":
+            assert values[7] is True  # block
+            raise Pending(made[-1][1])
+        return 0
+
+    line = ["movel", [0.0] * 6, 0.1, 1.0, 0.05, [], "", "", False]
+    steps = ProgramRun("blends", [line, line, ["robotmoving"]], make, tasks)
+    for known in (1, 2):
+        for _ in range(3):
+            assert not steps.go_on(0.001)
+        assert len(made) == known
+        tasks.pass_on(made[-1][1])
+    for _, id_ in made.copy():
+        assert not steps.go_on(0.001)
+        assert len(made) == 2
+        tasks.set(id_, TaskState.INTERRUPT)
+    assert not steps.go_on(0.001)
+    assert made[-1][0] == "robotmoving"
+    assert steps.go_on(0.001)
+
+
+@pytest.mark.parametrize(("part", "count", "known"), [(0, 1, 2), (0, 3, 4), (50, 3, 1)])
 def test_how_far_a_program_is_read_ahead(
-    ahead: tuple[int, int], progress: float, known: int
+    part: int, count: int, known: int, connect: Connect
 ) -> None:
-    tasks, ids = TaskTable(), list[int]()
-
-    def make(name: str, _values: tuple[Any, ...]) -> int:
-        ids.append(tasks.new(name))
-        return ids[-1]
-
-    script = [["movel", [0.0] * 6, 0.1, 1.0, 0.05]] * 5
-    steps = ProgramRun(
-        "blends", script, make, tasks, ahead=lambda: ahead, progress=lambda: progress
-    )
-    for _ in range(10):
-        assert not steps.go_on(0.001)
-    assert len(ids) == known
-    tasks.set(ids[0], TaskState.INTERRUPT)
-    for _ in range(10):
-        assert not steps.go_on(0.001)
-    assert len(ids) == min(known + 1, 5)
-    while not steps.go_on(0.001):
-        tasks.set(tasks.unfinished()[0].id, TaskState.INTERRUPT)
-    assert len(ids) == 5
+    moves = [["movej2", goal, 1.0, 2.0, 0.01] for goal in (LEFT, RIGHT) * 3]
+    with Simulator(programs={"blends": [["set_blend_ahead", part, count], *moves]}) as sim:
+        robot = connect(sim)
+        robot.power_on(True)
+        robot.enable(True)
+        robot.run_program("blends", False)
+        sim.wait_until(lambda: sim.moving)
+        sim.wait_until(lambda: sim.joints[0] > 0.02)
+        assert sum(task.name == "movej2" for task in sim.tasks) == known
+        sim.wait_until(lambda: sim.joints[0] > 0.3 * (0.01 * part + 0.04))
+        assert sum(task.name == "movej2" for task in sim.tasks) == (known if not part else 2)
 
 
 def test_a_generator_that_yields_nonsense() -> None:

@@ -92,15 +92,15 @@ def checked(name: str, script: Script) -> Script:
     return script
 
 
-def prepared(call: Call) -> tuple[str, tuple[Any, ...], bool]:
-    """Give a call's name, its arguments as on the wire, and whether it blends into the next."""
+def prepared(call: Call) -> tuple[str, tuple[Any, ...]]:
+    """Give a call's name, and its arguments as on the wire: motions with a blend radius block."""
     if isinstance(call, str) or not isinstance(call, Sequence) or not call:
         raise ProgramError(f"{call!r} is no call: it must be a name and arguments")
     name, *given = call
     if name == SLEEP:
         if len(given) != 1 or not isinstance(given[0], (int, float)) or not 0 <= given[0] < 1e9:
             raise ProgramError("sleep takes a time in seconds")
-        return name, tuple(given), False
+        return name, tuple(given)
     function = idl.functions().get(name) if isinstance(name, str) else None
     if function is None:
         raise ProgramError(f"there is no function {name!r}")
@@ -124,8 +124,8 @@ def prepared(call: Call) -> tuple[str, tuple[Any, ...], bool]:
             radius = values[parameter]
             blends = isinstance(radius, (int, float)) and radius > 0.0
     if blends:
-        values["block"] = False
-    return name, tuple(values.values()), blends
+        values["block"] = True
+    return name, tuple(values.values())
 
 
 def _typed(where: str, spec: Any, value: Any) -> Any:

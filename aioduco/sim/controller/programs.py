@@ -163,17 +163,14 @@ class ProgramRun:
     """One run of a program, as a sequence of its calls.
 
     A call waits until its task has ended; the program cannot continue after a task that failed.
-    The run does not wait for a motion with a blend radius while motions follow: the next motion
-    must be known for the two to blend. How far the program is read ahead is set as in the manual.
+    A motion with a blend radius is answered earlier, as set_blend_ahead says: the next motion must
+    be known for the two to blend. Other calls wait until no motion is under way.
 
     Args:
         name: name of the program, for messages.
         script: the program.
         make: makes a call of the wire; raises Pending where a client would wait.
         tasks: table of the calls' tasks.
-        ahead: values of set_blend_ahead: part of a motion from which on the next one is read [%];
-            and if that is 0, number of motions that are read ahead.
-        progress: progress of the running motion, 0 to 1.
     """
 
     def __init__(
@@ -182,9 +179,6 @@ class ProgramRun:
         script: Script,
         make: Callable[[str, tuple[Any, ...]], Any],
         tasks: TaskTable,
-        *,
-        ahead: Callable[[], tuple[int, int]] = lambda: (0, 1),
-        progress: Callable[[], float] = lambda: 0.0,
     ) -> None:
         self._name = name
         self._calls: Generator[Call, Any, object] = (
@@ -192,11 +186,9 @@ class ProgramRun:
         )
         self._make = make
         self._tasks = tasks
-        self._read_ahead = ahead
-        self._progress = progress
         self._answer: Any = None
-        self._next: tuple[str, tuple[Any, ...], bool] | None = None
-        self._ahead: list[tuple[str, int]] = []  # motions that may blend into the next
+        self._next: tuple[str, tuple[Any, ...]] | None = None
+        self._ahead: list[tuple[str, int]] = []  # motions that were answered before their ends
         self._waiting: tuple[str, int] | None = None
         self._sleep = 0.0
         self._over = False
@@ -210,35 +202,26 @@ class ProgramRun:
         self._sleep = 0.0
         self._ahead = [motion for motion in self._ahead if not self._ended(*motion)]
         if self._waiting is not None:
+            answer = self._tasks.answer(self._waiting[1])
+            if not answer.ended:
+                return False
             if not self._ended(*self._waiting):
-                return False
-            self._answer = int(self._tasks.state(self._waiting[1]))
-            self._waiting = None
+                self._ahead.append(self._waiting)
+            self._answer, self._waiting = int(answer), None
         if self._next is None and not self._over:
-            if self._reads_enough():
-                return False
             self._fetch()
         if self._next is None:
             return not self._ahead
-        name, values, blends = self._next
+        name, values = self._next
         if self._ahead and name not in BLENDING:
             return False
         self._next = None
-        self._answer = self._call(name, values, blends=blends)
+        self._answer = self._call(name, values)
         return False
 
     def close(self) -> None:
         """End the generator, if it is one."""
         self._calls.close()
-
-    def _reads_enough(self) -> bool:
-        """Whether the program has been read far enough ahead of the running motion."""
-        if not self._ahead:
-            return False
-        part, count = self._read_ahead()
-        if part > 0:
-            return len(self._ahead) > 1 or self._progress() < part / 100.0
-        return len(self._ahead) > count
 
     def _fetch(self) -> None:
         try:
@@ -251,12 +234,12 @@ class ProgramRun:
             raise self._error(repr(exc)) from exc
         self._answer = None
 
-    def _call(self, name: str, values: tuple[Any, ...], *, blends: bool) -> Any:
+    def _call(self, name: str, values: tuple[Any, ...]) -> Any:
         if name == SLEEP:
             self._sleep = values[0]
             return None
         try:
-            answer = self._make(name, values)
+            return self._make(name, values)
         except Pending as exc:
             self._waiting = name, exc.id
             return None
@@ -264,10 +247,6 @@ class ProgramRun:
             raise self._error(str(exc)) from None
         except Exception as exc:
             raise self._error(f"{name}: {exc!r}") from exc
-        if blends:
-            self._ahead.append((name, answer))
-            return int(TaskState.INTERRUPT)  # the final state of a motion that blends
-        return answer
 
     def _ended(self, name: str, id_: int) -> bool:
         state = self._tasks.state(id_)

@@ -79,14 +79,7 @@ class SystemHandlers(HandlerSection):
             script = self._cabinet.project.programs.get(name)
             if script is None:
                 raise mismatch(f"there is no program {name!r}")
-            steps = ProgramRun(
-                name,
-                script,
-                make,
-                controller.tasks,
-                ahead=lambda: controller.read_ahead,
-                progress=lambda: controller.motion.mover.progress,
-            )
+            steps = ProgramRun(name, script, make, controller.tasks)
             return controller.run_program(steps)
 
         return self._task("run_program", block, command)
