@@ -340,6 +340,16 @@ def test_demo_asks_before_it_moves_an_arm_that_it_did_not_make() -> None:
 
 
 @pytest.mark.slow
+def test_the_demo_names_commands_for_its_arm_in_its_error() -> None:
+    with Simulator() as sim:
+        sim.emergency_stop()
+        answer = run("demo", *address(sim), "--no-plot", "--yes", "--json", "-")
+        assert answer.exit_code == 1
+        where = f"{sim.host}:{sim.port}"
+        assert f"then call `aioduco bring-up {where}` again" in json.loads(answer.stdout)["error"]
+
+
+@pytest.mark.slow
 def test_demo_runs_on_another_arm_once_that_is_confirmed() -> None:
     with Simulator("gcr10_1300", speed=1) as sim:
         answer = run("demo", *address(sim), "--model", "gcr10_1300", "--no-plot", typed="y\n")

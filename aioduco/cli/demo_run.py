@@ -25,6 +25,7 @@ from rich.text import Text
 
 import aioduco
 from aioduco.cli import extras
+from aioduco.cli.command_terms import in_commands
 from aioduco.cli.exit_codes import write_file, writing
 from aioduco.cli.monitor.screen import arm_table
 from aioduco.cli.monitor.view_state import MonitorState
@@ -486,7 +487,7 @@ async def perform(robot: Robot, plan: Choreography, shown: Demonstration) -> sig
                 error: BaseException = group
                 while isinstance(error, BaseExceptionGroup):
                     error = error.exceptions[0]
-                shown.error = str(error)
+                shown.error = in_commands(error, host_port(robot.host, robot.port))
         listening.cancel_scope.cancel()
     if work.cancelled_caught:
         shown.error = "interrupted: the arm was stopped, and stands"
