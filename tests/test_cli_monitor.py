@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import io
+import logging
 import math
 import os
 import signal
@@ -22,7 +23,7 @@ from test_cli_robot import HOME, at, ready_arm
 import aioduco
 import aioduco.sync
 from aioduco._wire import rpc
-from aioduco.cli.monitor.onlooker import Key, MonitorClient, event_line, keys_of
+from aioduco.cli.monitor.onlooker import Key, MonitorClient, keys_of
 from aioduco.cli.monitor.screen import bar, chart, screen
 from aioduco.cli.monitor.view_state import EventLine, MonitorState
 from aioduco.cli.output import OutputFailed
@@ -197,12 +198,21 @@ def test_a_bar_shows_a_joint_between_its_limits(value: float, shown: str, style:
 
 def test_an_event_is_a_line() -> None:
     changed = aioduco.events.SafetyStateChanged(1.0, SafetyState.RUN, SafetyState.STOP1)
-    line = EventLine("10:00:00", "safety state changed from RUN to STOP1", "warning")
-    assert event_line("10:00:00", changed) == line
+    assert changed.line() == "safety state changed from RUN to STOP1"
+    assert changed.severity == "warning"
     started = aioduco.events.SafetyStateChanged(1.0, SafetyState.POWER_OFF, SafetyState.RUN)
-    assert event_line("", started).severity == "info"
-    hit = event_line("10:00:00", aioduco.events.CollisionDetected(1.0, 3))
-    assert (hit.text, hit.severity) == ("collision detected: joint 3", "alarm")
+    assert started.severity == "info"
+    hit = aioduco.events.CollisionDetected(1.0, 3)
+    assert (hit.line(), hit.severity) == ("collision detected: joint 3", "alarm")
+
+
+def test_log_lines_name_commands_for_the_arm_that_is_watched() -> None:
+    robot = aioduco.connect("10.0.0.7", 7004, heartbeat=None)
+    watching = MonitorClient(robot, "left", 0, lambda _: None)
+    lines = watching._lines
+    lines.handle(logging.makeLogRecord({"msg": "call robot.recover()", "levelno": 30}))
+    (line,) = watching._events
+    assert (line.text, line.severity) == ("call `aioduco recover 10.0.0.7:7004`", "warning")
 
 
 # -- keys ----------------------------------------------------------------------------------------

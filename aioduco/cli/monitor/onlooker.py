@@ -25,13 +25,13 @@ from aioduco.cli.monitor.view_state import EventLine, MonitorState, history_poin
 from aioduco.cli.output import OutputFailed
 from aioduco.cli.signals import receive_signals
 from aioduco.errors import DucoError, RobotStateError
+from aioduco.models.host_port import host_port
 from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
     from aioduco.robot import Robot
-    from aioduco.supervision.events import Event
 
 
 #: seconds between two polls of a console that cannot be waited for
@@ -89,16 +89,16 @@ class LogLines(logging.Handler):
     """Log handler that adds log lines to the events.
 
     Args:
-        events: queue that the lines are added to.
+        tell: adds a line with a text and a severity.
     """
 
-    def __init__(self, events: deque[EventLine]) -> None:
+    def __init__(self, tell: Callable[[str, str], object]) -> None:
         super().__init__(logging.WARNING)
-        self._events = events
+        self._tell = tell
 
     def emit(self, record: logging.LogRecord) -> None:
         """Add a line; called on the thread that logs it."""
-        self._events.append(EventLine(_clock(), in_commands(record.getMessage()), "warning"))
+        self._tell(record.getMessage(), "warning")
 
 
 class MonitorClient:
@@ -120,7 +120,7 @@ class MonitorClient:
         self._state = MonitorState(name, rate=robot.feed.rate)
         self._events: deque[EventLine] = deque(maxlen=_KEPT)
         self._history: deque[tuple[float, float, float]] = deque(maxlen=self._state.history_length)
-        self._lines = LogLines(self._events)
+        self._lines = LogLines(self._tell)
         self._doing: list[Key] = []
         self._told: signal.Signals | None = None
 
@@ -181,11 +181,10 @@ class MonitorClient:
         try:
             done = await step()
         except DucoError as error:
-            line = EventLine(_clock(), f"{key.value} failed: {in_commands(error)}", "alarm")
+            line = self._tell(f"{key.value} failed: {error}", "alarm")
         else:
-            line = EventLine(_clock(), "nothing was paused" if done is False else said, "good")
+            line = self._tell("nothing was paused" if done is False else said, "good")
         self._doing.remove(key)
-        self._events.append(line)
         busy = " and ".join(each.value for each in self._doing)
         self._change(busy=busy, notice=line)
 
@@ -205,7 +204,7 @@ class MonitorClient:
     async def _happenings(self) -> None:
         with self._robot.events.subscribe("drop_oldest") as events:
             async for event in events:
-                self._events.append(event_line(_clock(), event))
+                self._tell(event.line(), event.severity)
 
     async def _seldom(self) -> None:
         robot = self._robot
@@ -231,13 +230,15 @@ class MonitorClient:
             except OutputFailed:
                 return  # the terminal is gone, which ends the wait for keys, too
 
+    def _tell(self, text: str, severity: str) -> EventLine:
+        """Add a line to the events; also called on other threads, which log."""
+        where = host_port(self._robot.host, self._robot.port)
+        line = EventLine(time.strftime("%H:%M:%S"), in_commands(text, where), severity)
+        self._events.append(line)
+        return line
+
     def _change(self, **values: Any) -> None:
         self._state = replace(self._state, **values, events=tuple(self._events))
-
-
-def event_line(at: str, event: Event) -> EventLine:
-    """An event as one line: its name in words, and its text."""
-    return EventLine(at, in_commands(event.line()), event.severity)
 
 
 async def _asked(ask: Callable[[], Awaitable[Any]]) -> Any:
@@ -248,7 +249,3 @@ async def _asked(ask: Callable[[], Awaitable[Any]]) -> Any:
         raise
     except DucoError:
         return None
-
-
-def _clock() -> str:
-    return time.strftime("%H:%M:%S")
