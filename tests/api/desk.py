@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from client.bench import Bench, BenchTask
@@ -45,6 +46,13 @@ class Desk(Bench):
         self.answer("get_robot_version", "V3.8.0")
         for name in ENDINGS:
             self.answer(name, self._ending(name))
+
+    @contextmanager
+    def otherwise(self) -> Iterator[None]:
+        """A block whose answers hold in it alone."""
+        before = dict(self._answers)
+        yield
+        self._answers.update(before)
 
     def moves(self, name: str) -> None:
         """Make a function start a motion that ends by itself."""
