@@ -20,6 +20,7 @@ import anyio
 import pytest
 import typer
 from cli_runner import CliRunner
+from for_each import for_each
 from interpreter import python
 from moments import complaints
 from patient import COMMAND_LINE
@@ -568,11 +569,7 @@ def test_a_tap_whose_reader_has_ended_ends_without_a_message() -> None:
             assert (tap.wait(60), tap.stderr.read()) == (1, "")
 
 
-@pytest.mark.parametrize(
-    ("answer", "code", "says"),
-    [(b"", 1, "ended without an answer"), (b"\xff\n", 0, "\\xff")],
-    ids=["none", "no text"],
-)
+@for_each("answer, code, says", [(b"", 1, "ended without an answer"), (b"\xff\n", 0, "\\xff")])
 def test_what_listens_instead_of_a_simulator_is_shown(answer: bytes, code: int, says: str) -> None:
     with socket.create_server(("127.0.0.1", 0)) as server:
 
@@ -610,9 +607,8 @@ def test_a_preflight_of_a_wrong_cell_runs_nothing(tmp_path: Path) -> None:
 NOBODY = "127.0.0.1:1"
 
 
-@pytest.mark.cases(16)
-@pytest.mark.parametrize(
-    ("words", "code", "says"),
+@for_each(
+    "words, code, says",
     [
         ("sim --render out.mp4", 2, ".gif or .png"),
         ("sim --render no_folder/out.gif", 2, "there is no folder no_folder"),

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from cli_runner import CliRunner
+from for_each import for_each
 from typer.main import get_command
 
 from aioduco.cli.app import app, app_for
@@ -51,7 +52,7 @@ def test_help_shows_an_example_the_exit_codes_and_every_text_whole(names: tuple[
     assert not missing
 
 
-@pytest.mark.parametrize("names", COMMANDS, ids=" ".join)
+@for_each("names", COMMANDS)
 def test_every_option_and_argument_has_a_help(names: tuple[str, ...]) -> None:
     """A name that the docstring of a command spells in another way would leave it without one."""
     assert [str(each.name) for each in COMMANDS[names].params if not each.help] == []

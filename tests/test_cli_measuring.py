@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from cli_runner import CliRunner
+from for_each import for_each
 from test_cli_robot import HOME, at, ready_arm
 
 import aioduco.sync
@@ -256,14 +257,13 @@ def test_too_few_poses_and_a_load_that_is_none_are_said_before_the_arm_moves(
         assert "--set-load" in wrong.stderr
 
 
-@pytest.mark.parametrize(
+@for_each(
     "words",
     [
         ("tool", "touch", "--name", "x", "--load", "-1", "0", "0", "0"),
         ("tool", "touch", "--name", "x" * 33),
         ("payload", "--tool", "x" * 33),
     ],
-    ids=["mass", "name", "tool"],
 )
 def test_what_could_not_be_written_is_refused_before_a_person_works(words: tuple[str, ...]) -> None:
     wrong = invoke(*words, "127.0.0.1:1", "--yes")

@@ -15,6 +15,7 @@ from typing import Any
 import anyio
 import pytest
 from client.bench import Bench
+from for_each import for_each
 from rich.console import Console
 from terminals import ENDS, terminal
 from test_cli import COMMAND, run, wait_until_it_moves
@@ -94,10 +95,7 @@ def test_the_screen_shows_all_that_is_known() -> None:
     assert "event 30" not in text, "only the newest events that fit"
 
 
-@pytest.mark.parametrize(
-    ("width", "height"), [(80, 24), (100, 30), (200, 60), (60, 20), (60, 10), (20, 5)]
-)
-@pytest.mark.cases(6)
+@for_each("width, height", [(80, 24), (100, 30), (200, 60), (60, 20), (60, 10), (20, 5)])
 def test_the_screen_fits_its_terminal(width: int, height: int) -> None:
     """Also in a low one it is said that the arm does not answer, and that a stop has failed."""
     events = tuple(EventLine("10:00:00", "x" * 300) for _ in range(100))
@@ -151,8 +149,8 @@ def test_a_chart_shows_the_largest_value_of_each_column() -> None:
     assert chart([1.0], 2, 2, least=16.0) == ("  ", " ▁"), "noise stays small"
 
 
-@pytest.mark.parametrize(
-    ("state", "said"),
+@for_each(
+    "state, said",
     [
         (MonitorState("a"), "waiting for the first answer"),
         (MonitorState("a", sample=sample(), age=3.2), "NO ANSWER FOR 3 s: WHAT IS SHOWN IS OLD"),
@@ -174,13 +172,12 @@ def test_a_chart_shows_the_largest_value_of_each_column() -> None:
         (MonitorState("a", sample=sample(jointActualVelocity=[]), age=0), "no speeds are told, "),
     ],
 )
-@pytest.mark.cases(9)
 def test_the_screen_says_what_is_wrong(state: MonitorState, said: str) -> None:
     assert said in "\n".join(drawn(state))
 
 
-@pytest.mark.parametrize(
-    ("value", "shown", "style"),
+@for_each(
+    "value, shown, style",
     [
         (0.0, "·····█·····", "green"),
         (0.6, "·····│━━█··", "green"),
@@ -189,7 +186,6 @@ def test_the_screen_says_what_is_wrong(state: MonitorState, said: str) -> None:
         (1.5, "·····│━━━━█", "bold red"),
     ],
 )
-@pytest.mark.cases(5)
 def test_a_bar_shows_a_joint_between_its_limits(value: float, shown: str, style: str) -> None:
     text = bar(value, -1.0, 1.0, 11)
     assert text.plain == shown
@@ -218,8 +214,8 @@ def test_log_lines_name_commands_for_the_arm_that_is_watched() -> None:
 # -- keys ----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("data", "keys"),
+@for_each(
+    "data, keys",
     [
         (b" ", [Key.STOP]),
         (b"sSpRq", [Key.STOP, Key.STOP, Key.PAUSE, Key.RESUME, Key.QUIT]),
@@ -228,7 +224,6 @@ def test_log_lines_name_commands_for_the_arm_that_is_watched() -> None:
         (b"\x1b[Cs", [Key.STOP]),
     ],
 )
-@pytest.mark.cases(5)
 def test_a_key_asks_for_what_it_says_and_no_other_does(data: bytes, keys: list[Key]) -> None:
     assert keys_of(data) == keys
 

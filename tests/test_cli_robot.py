@@ -16,6 +16,7 @@ from typing import Any
 
 import pytest
 import typer
+from for_each import for_each
 from interpreter import python
 from patient import COMMAND_LINE
 from test_cli import address, process, run, wait_until_it_moves
@@ -85,9 +86,8 @@ def test_a_robot_is_an_address_a_name_the_environment_or_a_default(
     assert str(robots_file()) == "/home/somebody/.config/aioduco/robots.toml"
 
 
-@pytest.mark.cases(3)
-@pytest.mark.parametrize(
-    ("text", "said"),
+@for_each(
+    "text, said",
     [
         ("[left", "cannot be read"),
         ('left = "10.0.0.1"', "[left] needs a line such as host"),
@@ -350,9 +350,8 @@ def standing() -> Iterator[Simulator]:
         yield sim
 
 
-@pytest.mark.cases(5)
-@pytest.mark.parametrize(
-    ("words", "said"),
+@for_each(
+    "words, said",
     [
         ("move joints 0 0", "takes 6 values"),
         ("move joints 9 0 0 0 0 0 --yes", "from -6.283 to 6.283 rad"),
@@ -433,7 +432,7 @@ def test_a_move_under_nohup_goes_on_without_its_terminal() -> None:
 # -- for shells ----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+@for_each("shell", ["bash", "zsh", "fish"])
 def test_a_shell_completes_the_commands(shell: str) -> None:
     script = run("completion", shell)
     assert script.exit_code == 0
@@ -482,7 +481,7 @@ def test_the_command_line_loads_little_before_it_knows_what_to_do() -> None:
     assert (done.returncode, done.stdout, done.stderr) == (0, "[]\n", "")
 
 
-@pytest.mark.parametrize("device", ["gamepad", "spacemouse"])
+@for_each("device", ["gamepad", "spacemouse"])
 def test_a_missing_device_is_a_wrong_option_before_anything_is_asked(device: str) -> None:
     answer = run("teleop", "127.0.0.1:1", "--device", device, "--path", "/no/device", "--yes")
     assert (answer.exit_code, "cannot connect" in answer.stderr) == (2, False)
@@ -518,8 +517,8 @@ def test_the_tool_is_led_by_keys_after_a_question() -> None:
         assert not sim.view.moving
 
 
-@pytest.mark.parametrize(
-    ("changed", "words"),
+@for_each(
+    "changed, words",
     [
         ({"program": ProgramState.PAUSED}, "aioduco resume arm:7004.*aioduco stop arm:7004"),
         ({"program": ProgramState.RUNNING}, "aioduco stop arm:7004"),

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from cli_runner import CliRunner
+from for_each import for_each
 from interpreter import python
 from patient import COMMAND_LINE
 from wire.servers import Peer, ScriptedServer
@@ -65,8 +66,8 @@ def test_a_plain_stop_is_understood_as_by_the_command_line(
     assert by_typer == [plain_stop(words)]
 
 
-@pytest.mark.parametrize(
-    ("words", "code"),
+@for_each(
+    "words, code",
     [
         (("--help",), 0),
         (("-h",), 0),
@@ -79,7 +80,6 @@ def test_a_plain_stop_is_understood_as_by_the_command_line(
         (("left", "right"), 2),
         (("left:",), 2),
     ],
-    ids=str,
 )
 def test_all_else_is_left_to_the_command_line(
     words: tuple[str, ...], code: int, by_typer: list[PlainStop]

@@ -348,7 +348,7 @@ def test_a_lost_connection_raises_what_the_vendors_class_raises(server: Recordin
     assert robot.close() == 0
 
 
-@pytest.mark.parametrize("ip", [None, "", 5, "arm 1"])
+@for_each("ip", [None, "", 5, "arm 1"])
 def test_open_returns_minus_one_for_what_is_no_address(ip: Any) -> None:
     robot = DucoCobot(ip)
     assert robot.open() == -1

@@ -174,7 +174,7 @@ def test_each_method_calls_its_own_function_with_its_arguments_in_order(name: st
     assert seen == [(name, args)] * 3
 
 
-@pytest.mark.parametrize("face", [rpc.Functions, rpc.AsyncRpc, rpc.WireCalls])
+@for_each("face", [rpc.Functions, rpc.AsyncRpc, rpc.WireCalls])
 def test_every_function_of_the_wire_can_be_called(face: type) -> None:
     names = {name for name in dir(face) if not name.startswith("_")}
     assert names - {"send"} == (idl.functions().keys() if face is rpc.Functions else idl.names())

@@ -131,8 +131,7 @@ def test_what_is_loaded_when_it_is_used_is_public_and_told_to_type_checkers() ->
     assert len(aioduco.__all__) == len(set(aioduco.__all__))
 
 
-@pytest.mark.cases(3)
-@pytest.mark.parametrize("package", [aioduco, aioduco.recording, aioduco.testing])
+@for_each("package", [aioduco, aioduco.recording, aioduco.testing])
 def test_a_star_brings_every_public_name(package: ModuleType) -> None:
     namespace: dict[str, Any] = {}
     exec(f"from {package.__name__} import *", namespace)

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from for_each import for_each
 
 import aioduco
 import aioduco.sync
@@ -29,7 +30,7 @@ def found(robot: object, where: str) -> object:
     return functools.reduce(getattr, way, robot)
 
 
-@pytest.mark.parametrize("robot", ROBOTS, ids=["awaited", "waiting"])
+@for_each("robot", ROBOTS)
 def test_every_function_of_the_wire_has_a_place_and_is_there(robot: object) -> None:
     for name in idl.functions():
         where = names.place(name)
@@ -73,7 +74,7 @@ def test_what_is_said(robot: object, asked: str, said: str) -> None:
     assert (type(again), str(again)) == (NamedElsewhere, said)
 
 
-@pytest.mark.parametrize("robot", ROBOTS, ids=["awaited", "waiting"])
+@for_each("robot", ROBOTS)
 def test_an_object_is_otherwise_as_it_was(robot: Any) -> None:
     for one in (robot, robot.motion, robot.servo, robot.realtime):
         assert not hasattr(one, "movej3")

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from for_each import for_each
 from interpreter import python
 from moments import complaints
 
@@ -57,7 +58,7 @@ def test_program_is_short() -> None:
     assert len([line for line in program(README).splitlines() if line.strip()]) <= 12
 
 
-@pytest.mark.parametrize("name", ["run", "test"])
+@for_each("name", ["run", "test"])
 def test_each_command_is_one_line_that_makes_its_own_environment(name: str) -> None:
     line = command(README, name)
     assert "\n" not in line
@@ -70,7 +71,7 @@ def test_the_tutorial_begins_with_the_same_program() -> None:
     assert program(README) in (ROOT / "docs" / "tutorial.md").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("page", ["README.md", "README.zh-CN.md", "docs/index.md"])
+@for_each("page", ["README.md", "README.zh-CN.md", "docs/index.md"])
 def test_the_first_screen_has_the_plain_script_too(page: str) -> None:
     awaited, plain = programs((ROOT / page).read_text(encoding="utf-8"))[:2]
     assert "await robot.bring_up()" in awaited
@@ -84,7 +85,7 @@ def test_chinese_readme_has_the_same_programs_and_commands() -> None:
         assert command(CHINESE, name) == command(README, name)
 
 
-@pytest.mark.parametrize("text", [README, CHINESE], ids=["en", "zh"])
+@for_each("text", [README, CHINESE])
 def test_links_lead_somewhere(text: str) -> None:
     targets = [link for link in re.findall(r"\]\(([^)#]+)\)", text) if "://" not in link]
     assert targets

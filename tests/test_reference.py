@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-import pytest
+from for_each import for_each
 
 import aioduco
 from aioduco.api.section import Section
@@ -27,7 +27,7 @@ def sections() -> list[str]:
     return [name for name in names if isinstance(getattr(robot, name), Section)]
 
 
-@pytest.mark.parametrize("section", sections())
+@for_each("section", sections())
 def test_each_section_has_a_page_with_an_example(section: str) -> None:
     text = (PAGES / f"{NAMES.get(section, section)}.md").read_text("utf-8")
     assert f"# robot.{section}" in text or f"robot.{section}" in text.splitlines()[0]

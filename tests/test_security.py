@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 
-import pytest
+from for_each import for_each
 
 import aioduco
 from aioduco.cli.panel import panel
@@ -21,8 +21,8 @@ from aioduco.sim.server.status_server import StatusServer
 from aioduco.sync import Robot as SyncRobot
 
 
-@pytest.mark.parametrize(
-    ("listener", "parameter"),
+@for_each(
+    "listener, parameter",
     [
         (Simulator, "host"),
         (Server, "host"),
@@ -38,7 +38,6 @@ from aioduco.sync import Robot as SyncRobot
         (Panel, "bind"),
     ],
 )
-@pytest.mark.cases(20)
 def test_the_default_is_loopback(listener: object, parameter: str) -> None:
     assert callable(listener)
     default = inspect.signature(listener).parameters[parameter].default

@@ -13,6 +13,7 @@ from typing import Any
 import anyio
 import pytest
 from client.bench import HOME, POSE
+from for_each import for_each
 from wire.lanes import noted
 
 import aioduco
@@ -68,7 +69,7 @@ def test_every_function_with_block_is_there_or_elsewhere_for_a_reason() -> None:
     assert there == {case.name for case in blocking_cases()}
 
 
-@pytest.mark.parametrize("case", blocking_cases(), ids=str)
+@for_each("case", blocking_cases())
 def test_it_takes_what_the_motion_takes(case: Case) -> None:
     (motion,) = (one for one in cases() if one.name == case.name)
     ours, theirs = (inspect.signature(one.method(NOBODY)) for one in (case, motion))

@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 import pytest
+from for_each import for_each
 
 import aioduco
 from aioduco._wire import codec, idl, newer, rpc
@@ -157,7 +158,7 @@ async def test_motions_of_external_axes(desk: Desk, version: str, refused: tuple
     assert not any(desk.received(name) for name in newer.SCHEMES)
 
 
-@pytest.mark.parametrize("name", newer.SCHEMES)
+@for_each("name", newer.SCHEMES)
 def test_a_tap_reads_schemes_in_lists(name: str) -> None:
     function = idl.functions()[name]
     assert function.listed is not None

@@ -138,8 +138,8 @@ def test_the_edges_are_taken(case: Case, name: str) -> None:
             assert error is None, (rule, value)
 
 
-@pytest.mark.parametrize(
-    ("function", "fewest", "most"),
+@for_each(
+    "function, fewest, most",
     [
         ("spline_op", 1, 50),
         ("trackEnqueueOp", 1, 1000),
@@ -185,8 +185,8 @@ async def test_the_controller_sees_nothing(robot: aioduco.Robot, desk: Desk) -> 
 SUPERVISION = {"rpc_heartbeat", "get_robot_state", "get_robot_version"}
 
 
-@pytest.mark.parametrize(
-    ("make", "most"),
+@for_each(
+    "make, most",
     [
         (lambda motion, t: motion.speedl([0, 0, -0.02, 0, 0, 0], a=0.5, time=t), 251.0),
         (lambda motion, t: motion.speedl([0, 0, 0, 0, 0.1, 0], a=0.5, time=t), 40 * math.pi),
@@ -211,7 +211,7 @@ def test_a_time_is_as_long_as_the_arm_could_move_at_its_speeds() -> None:
         ranges.run_time("time", 2.001, (3.0, 6.0), (1.0, 6.0))
 
 
-@pytest.mark.parametrize(("rule", "value"), [(ranges.BLEND_RADIUS, 20), (ranges.WEAVE_OFFSET, 5)])
+@for_each("rule, value", [(ranges.BLEND_RADIUS, 20), (ranges.WEAVE_OFFSET, 5)])
 def test_a_length_in_millimetres_is_refused(rule: Any, value: Any) -> None:
     with pytest.raises(ParameterError, match=r"\(millimetres\?\)"):
         rule("length", value)

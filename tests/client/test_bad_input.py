@@ -7,14 +7,15 @@ import math
 from typing import Any
 
 import pytest
+from for_each import for_each
 
 import aioduco
 from aioduco import ParameterError
 from client.bench import HOME, Bench
 
 
-@pytest.mark.parametrize(
-    ("arguments", "parameter"),
+@for_each(
+    "arguments, parameter",
     [
         ({"host": 5}, "host"),
         ({"port": 0}, "port"),

@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 import pickle
 from enum import IntEnum
+from itertools import product
 
 import pytest
+from for_each import for_each
 from public_classes import public_classes
 
 from aioduco.models.enums import (
@@ -27,8 +29,10 @@ def test_values_are_the_manuals() -> None:
     assert TaskState(8) is TaskState.PARAMETER_MISMATCH
 
 
-@pytest.mark.parametrize("kind", [OperationMode, ProgramState, RobotState, SafetyState, TaskState])
-@pytest.mark.parametrize("value", [77, -1])
+@for_each(
+    "kind, value",
+    product([OperationMode, ProgramState, RobotState, SafetyState, TaskState], [77, -1]),
+)
 def test_a_value_that_the_manual_does_not_list_survives(kind: type[TaskState], value: int) -> None:
     member = kind(value)
     assert member == value

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from for_each import for_each
 
 import aioduco
 import aioduco.sync
@@ -212,7 +213,7 @@ async def test_a_robot_that_is_opened_in_the_wrong_way() -> None:
             raise AssertionError("entered")
 
 
-@pytest.mark.parametrize("heartbeat", [1.0, None])
+@for_each("heartbeat", [1.0, None])
 async def test_a_motion_of_a_robot_that_was_never_opened(heartbeat: float | None) -> None:
     robot = aioduco.connect("nowhere", heartbeat=heartbeat)
     motion = robot.motion.movej2([0.0] * 6, v=1.0, a=1.0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 import pytest
+from for_each import for_each
 
 import aioduco
 from aioduco._wire import rpc
@@ -71,8 +72,8 @@ async def test_an_end_that_is_refused(robot: aioduco.Robot, bench: Bench) -> Non
         await robot.system.shutdown()
 
 
-@pytest.mark.parametrize(
-    ("answer", "error"),
+@for_each(
+    "answer, error",
     [
         (3, aioduco.TaskStopped),
         (5, aioduco.TaskInterrupted),

@@ -7,6 +7,7 @@ from collections.abc import AsyncIterator, Iterator
 from typing import Any
 
 import pytest
+from for_each import for_each
 
 import aioduco
 import aioduco.sync
@@ -73,8 +74,8 @@ async def test_a_nought_that_is_true_is_read(sim: Simulator, robot: aioduco.Robo
         assert waiting.modbus.modbus_read("word") == 0
 
 
-@pytest.mark.parametrize(
-    ("before", "after", "new"),
+@for_each(
+    "before, after, new",
     [
         ([], [], []),
         (["a"], ["a"], []),

@@ -11,6 +11,7 @@ from xml.etree import ElementTree as ET
 import pytest
 import yaml
 from cli_runner import CliRunner
+from for_each import for_each
 from typer.testing import Result
 
 from aioduco.cli.app import app
@@ -197,9 +198,8 @@ def test_a_folder_that_cannot_be_made_is_said(tmp_path: Path) -> None:
     assert "file" in done.stderr
 
 
-@pytest.mark.cases(3)
-@pytest.mark.parametrize(
-    ("words", "option"),
+@for_each(
+    "words, option",
     [
         ("srdf --meshes .", "--meshes"),
         ("srdf --mesh-uri package://mine", "--mesh-uri"),

@@ -10,6 +10,7 @@ from xml.etree import ElementTree as ET
 import mujoco
 import numpy as np
 import pytest
+from for_each import for_each
 
 from aioduco.descriptions import STATES, ArmDescription, mjcf, mjcf_scene
 from aioduco.kinematics import arm, models
@@ -119,7 +120,7 @@ def test_meshes_of_the_user_are_shown(tmp_path: Path) -> None:
     assert (loaded.geom_group == 3).sum() == (plain.geom_group == 3).sum()
 
 
-@pytest.mark.parametrize("model", models())
+@for_each("model", models())
 def test_the_looks_are_in_the_frames_of_the_links(model: str) -> None:
     """MuJoCo turns each mesh to its own axes; where its points are then must be where they were."""
     loaded, known = compiled(model), arm(model)

@@ -13,6 +13,7 @@ from xml.etree import ElementTree as ET
 import mujoco
 import numpy as np
 import pytest
+from for_each import for_each
 
 from aioduco import Joints, ParameterError, Pose
 from aioduco.descriptions import ArmDescription, Capsule, ToolDescription, srdf, urdf
@@ -100,7 +101,7 @@ def test_urdfdom_accepts_arms_with_prefixes_and_tools(
     assert "robot name is: cell" in said
 
 
-@pytest.mark.parametrize("model", models())
+@for_each("model", models())
 def test_mujoco_agrees_on_frames_inertias_and_limits(model: str) -> None:
     loaded, known = read_by_mujoco(urdf(model)), arm(model)
     data = mujoco.MjData(loaded)
@@ -144,7 +145,7 @@ def test_two_arms_stand_where_they_are_mounted() -> None:
         assert np.abs(tip.xmat.reshape(3, 3) - expected[:3, :3]).max() < 1e-9
 
 
-@pytest.mark.parametrize("mounting", ["floor", None])
+@for_each("mounting", ["floor", None])
 def test_a_frame_is_said_to_have_no_mass_for_readers_that_assume_one(mounting: Any) -> None:
     """PyBullet gives 1 kg to a link without inertia; KDL takes none of the root."""
     robot = ET.fromstring(urdf(ArmDescription("gcr5_910", mounting=mounting)))
@@ -169,8 +170,8 @@ def test_a_tool_has_its_mass_where_it_is() -> None:
     assert sorted(tool.inertia) == pytest.approx(sorted([across, across, about]))
 
 
-@pytest.mark.parametrize(
-    ("tool", "inertia"),
+@for_each(
+    "tool, inertia",
     [
         (ToolDescription(mass=1.0, inertia=(1e-3, 2e-3, 2.5e-3)), (2.5e-3, 2e-3, 1e-3)),
         # A ball of 1 kg of aluminium has a radius of 44.6 mm.

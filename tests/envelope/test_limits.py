@@ -10,6 +10,7 @@ from typing import Any
 import mujoco
 import numpy as np
 import pytest
+from for_each import for_each
 
 from aioduco.envelope import (
     Crossing,
@@ -64,7 +65,7 @@ SHAPES = {
 }
 
 
-@pytest.mark.parametrize("shape", SHAPES)
+@for_each("shape", SHAPES)
 def test_margins_are_the_distances_that_mujoco_finds(shape: str) -> None:
     zone, radius = SHAPES[shape], 1e-6
     turn = np.array(zone.turn).reshape(3, 3)
@@ -165,7 +166,7 @@ def test_a_crossing_says_what_and_where() -> None:
     assert str(found._replace(margin=-3e-8)).endswith("m is at the limit")
 
 
-@pytest.mark.parametrize(
+@for_each(
     "make",
     [
         lambda: Zone.sphere((0, 0, 0), 0.0),
@@ -210,7 +211,7 @@ def test_the_normal_of_a_changed_plane_has_length_one_too() -> None:
     assert replace(slanted, name="") == slanted
 
 
-@pytest.mark.parametrize(
+@for_each(
     "make",
     [
         lambda: Zone.box((500, 300, 200), (0.3, 0.2, 0.4)),
@@ -225,7 +226,7 @@ def test_millimetres_are_no_zone_that_no_arm_ever_meets(make: Any) -> None:
         make()
 
 
-@pytest.mark.parametrize(
+@for_each(
     "make",
     [lambda: ToolSpeed(250), lambda: Zone.plane((0, 0, 0), (0, 0, 1), action="slow", speed=100)],
 )

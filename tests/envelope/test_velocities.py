@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
 import pytest
+from for_each import for_each
 
 from aioduco import Jog, JogDirections, JogFrame
 from aioduco.envelope import Envelope, Zone
@@ -75,7 +76,7 @@ def test_the_tool_goes_where_the_path_leads(
     np.testing.assert_allclose(way.configs[-1], there, atol=1e-12)
 
 
-@pytest.mark.parametrize("kind", ["speedj", "jog"])
+@for_each("kind", ["speedj", "jog"])
 def test_the_joints_go_where_the_path_leads(kind: str) -> None:
     """And so far beyond it that they have come to rest there."""
     speeds = along(2, -0.4)
@@ -126,8 +127,7 @@ def checker(*limits: Any) -> EnvelopeChecker:
     return EnvelopeChecker(Envelope(ARM, *limits).packed(TOOL))
 
 
-@pytest.mark.parametrize("depth", [BESIDE / 2, 0.05])
-@pytest.mark.parametrize("shape", ["plane", "sphere", "box", "keep in"])
+@for_each("depth, shape", product([BESIDE / 2, 0.05], ["plane", "sphere", "box", "keep in"]))
 def test_limits_are_left_straight_and_not_crossed_again(shape: str, depth: float) -> None:
     tip = places(START)[0, 0]
     far = 0.3

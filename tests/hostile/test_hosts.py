@@ -16,6 +16,7 @@ import anyio
 import numpy as np
 import pytest
 from client.bench import Bench
+from for_each import for_each
 from typer.testing import CliRunner
 from wire.names import NAME, Names
 from wire.servers import PATIENCE, black_hole
@@ -182,7 +183,7 @@ PORT_TAKERS: dict[str, Callable[[Any], object]] = {
 }
 
 
-@pytest.mark.parametrize("name", PORT_TAKERS)
+@for_each("name", PORT_TAKERS)
 def test_what_is_no_port_is_refused_where_it_is_given(name: str) -> None:
     take = PORT_TAKERS[name]
     for port in ("7003", "x", -1, 70000, True, None, 7003.0, math.nan):
@@ -191,7 +192,7 @@ def test_what_is_no_port_is_refused_where_it_is_given(name: str) -> None:
     take(np.int64(7003))
 
 
-@pytest.mark.parametrize("listen", ["x", 5, None, ("127.0.0.1",), ("", 0), (5, 0)])
+@for_each("listen", ["x", 5, None, ("127.0.0.1",), ("", 0), (5, 0)])
 def test_a_tap_listens_on_no_address_that_is_none(listen: Any) -> None:
     with pytest.raises(ParameterError, match="listen"):
         Tap("192.0.2.1", listen=listen)

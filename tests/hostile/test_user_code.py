@@ -17,6 +17,7 @@ from typing import Any
 import anyio
 import pytest
 from client.bench import HOME, Bench
+from for_each import for_each
 
 import aioduco
 from aioduco import HeartbeatState
@@ -216,7 +217,7 @@ async def test_the_guards_death_stops_the_arm_although_the_report_raises(bench: 
             await eventually_async(lambda: guard.alive and guard.pid != first, 20.0)
 
 
-@pytest.mark.parametrize("error", ERRORS)
+@for_each("error", ERRORS)
 def test_the_watch_over_the_loop_goes_on_when_its_report_raises(error: type[BaseException]) -> None:
     life = Liveness()
     told: list[float] = []

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -37,8 +38,8 @@ def configurations(count: int = 50) -> Array:
     return np.random.default_rng(1).uniform(-2 * np.pi, 2 * np.pi, (count, 6))
 
 
-@pytest.mark.parametrize(
-    ("name", "wrong"),
+@for_each(
+    "name, wrong",
     [
         ("velocity", [(1.0,) * 5, (math.nan,) * 6, (-1.0,) * 6, "abcdef", 1.0, None]),
         ("effort", [(0.0,) * 6]),
@@ -84,8 +85,8 @@ def test_lengths_can_be_replaced() -> None:
         arm("gcr5_910", d4=0.1)
 
 
-@pytest.mark.parametrize(
-    ("joints", "position"),
+@for_each(
+    "joints, position",
     [
         ([15.771, -8.0047, -97.4297, 15.6165, 89.9417, 11.8593], [-555.8729, -10.2684, 333.8967]),
         ([15.771, -8.0054, -97.4297, 15.6158, 89.9417, 8.5264], [-555.8742, -10.2687, 333.8890]),
@@ -167,8 +168,8 @@ def test_determinant_of_the_jacobian_is_the_product_of_the_singular_values(q: Ar
     assert np.linalg.det(five.jacobian(q)) == pytest.approx(expected, abs=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("name", "q"),
+@for_each(
+    "name, q",
     [
         ("elbow", [0.3, 0.5, 0.0, 0.4, 1.0, 0.0]),
         ("elbow", [0.3, 0.5, math.pi, 0.4, 1.0, 0.0]),

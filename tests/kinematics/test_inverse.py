@@ -211,8 +211,13 @@ def test_a_whole_path_is_solved_at_once() -> None:
             )
 
 
-@pytest.mark.parametrize("joint5", [0.0, math.pi, -math.pi, 1e-12, 9e-10, math.pi - 9e-10])
-@pytest.mark.parametrize("turned", [0.0, 1.0, -math.pi / 2, math.pi, 0.5])
+@for_each(
+    "joint5, turned",
+    product(
+        [0.0, math.pi, -math.pi, 1e-12, 9e-10, math.pi - 9e-10],
+        [0.0, 1.0, -math.pi / 2, math.pi, 0.5],
+    ),
+)
 def test_at_the_wrist_singularity_joint_6_is_that_of_the_near_configuration(
     joint5: float, turned: float
 ) -> None:
@@ -258,7 +263,7 @@ def test_all_solutions_of_a_wrist_singularity_take_joint_6_as_zero_and_come_in_p
     assert np.abs(residual(FIVE.geometry, found, flange)).max() < 1e-12
 
 
-@pytest.mark.parametrize("joint3", [0.0, 1e-9, -1e-7])
+@for_each("joint3", [0.0, 1e-9, -1e-7])
 def test_a_stretched_arm_is_reached(joint3: float) -> None:
     q = np.array([0.3, 0.9, joint3, 0.5, 1.0, 2.0])
     flange = FIVE.fkine(q)
@@ -333,7 +338,7 @@ def test_out_of_reach_says_by_how_much() -> None:
     assert FIVE.ikine_all(Pose(2.0, 0.0, 0.4, 0, 0, 0)).shape == (0, 6)
 
 
-@pytest.mark.parametrize("up", [-1.2, 0.0, 0.4, 1.3])
+@for_each("up", [-1.2, 0.0, 0.4, 1.3])
 def test_a_wrist_beyond_the_stretched_arm_is_out_of_reach_by_the_way_to_it(up: float) -> None:
     g = FIVE.geometry
     reach = g.a2 + g.a3 + g.d5
@@ -343,7 +348,7 @@ def test_a_wrist_beyond_the_stretched_arm_is_out_of_reach_by_the_way_to_it(up: f
     assert shortfall(g, flange) == pytest.approx(0.1, abs=1e-12)
 
 
-@pytest.mark.parametrize("folded", [-2.6, 2.6])
+@for_each("folded", [-2.6, 2.6])
 def test_a_wrist_that_a_folded_arm_reaches_is_not_out_of_reach(folded: float) -> None:
     assert shortfall(FIVE.geometry, FIVE.fkine([0.3, -0.4, folded, 0.2, -1.0, 0.5])) == 0.0
 
@@ -397,7 +402,7 @@ def test_poses_of_any_kind_are_taken() -> None:
         FIVE.ikine([0.1, 0.2], q)
 
 
-@pytest.mark.parametrize("near", [[0.0] * 5, [[0.0] * 6] * 2, [0.0] * 5 + [math.nan]])
+@for_each("near", [[0.0] * 5, [[0.0] * 6] * 2, [0.0] * 5 + [math.nan]])
 def test_what_is_no_configuration_is_refused(near: Any) -> None:
     with pytest.raises(ParameterError, match=r"q_near|\[rad\]"):
         FIVE.ikine(FIVE.fkine([0.3, 0.4, 1.2, 0.5, -1.1, 2.0]), near)

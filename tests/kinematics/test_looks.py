@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from for_each import for_each
 
 import aioduco.kinematics
 from aioduco.kinematics import arm, models
@@ -48,21 +49,21 @@ def test_each_surface_is_closed_and_points_outwards(model: str) -> None:
         assert volume(look) > 1e-8
 
 
-@pytest.mark.parametrize("model", models())
+@for_each("model", models())
 def test_what_is_drawn_is_near_what_collides(model: str) -> None:
     known = arm(model)
     for link, body in zip(looks(known), bodies(known), strict=True):
         assert beyond(np.concatenate([look.vertices for look in link]), body.parts) < 0.0305
 
 
-@pytest.mark.parametrize("model", models())
+@for_each("model", models())
 def test_the_arm_stands_on_its_foot_and_ends_at_its_flange(model: str) -> None:
     *_, flange = links = looks(arm(model))
     assert min(look.vertices[:, 2].min() for look in links[0]) == 0.0
     assert max(look.vertices[:, 2].max() for look in flange) == pytest.approx(0.0, abs=1e-12)
 
 
-@pytest.mark.parametrize("model", models())
+@for_each("model", models())
 def test_each_joint_has_a_mark_that_turns_and_one_that_shows_its_zero(model: str) -> None:
     """On a dark ring about the axis; at zero both are in one direction from the axis."""
     known = arm(model)

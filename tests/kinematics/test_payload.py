@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from for_each import for_each
 
 import aioduco
 from aioduco import Load, Pose
@@ -198,7 +199,7 @@ async def test_a_load_hidden_on_a_simulated_arm_is_found_by_both_sensors() -> No
         assert np.linalg.norm(np.subtract(found.load, hidden)[1:]) < 0.01
 
 
-@pytest.mark.parametrize("wrong", ["down", None, [1.0], [10**400, 0, 0], [np.nan, 0, 0]])
+@for_each("wrong", ["down", None, [1.0], [10**400, 0, 0], [np.nan, 0, 0]])
 def test_what_is_no_gravity_and_no_reading_is_refused_by_name(wrong: Any) -> None:
     frames, read = GCR5.fkine(POSES), wrenches(Load(1.0, 0.0, 0.0, 0.1))
     with pytest.raises(ParameterError, match="gravity"):

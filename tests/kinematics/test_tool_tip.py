@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from for_each import for_each
 
 from aioduco import Pose
 from aioduco.errors import CalibrationError, ParameterError
@@ -92,8 +93,8 @@ def test_poses_and_joints_of_an_arm_serve_as_touches() -> None:
     assert max(found.distances) < 1e-9
 
 
-@pytest.mark.parametrize(
-    ("turns", "said"),
+@for_each(
+    "turns, said",
     [
         (np.tile(DOWN, (6, 1, 1)), "hardly turn the tool"),
         (touching(6, 0.05) @ np.swapaxes(touching(6, 0.0), 1, 2) @ DOWN, "hardly turn the tool"),

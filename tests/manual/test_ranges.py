@@ -9,7 +9,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import pytest
 from for_each import for_each
 
 from aioduco._wire import idl
@@ -150,7 +149,7 @@ def test_ranges_agree_at_both_ends(key: str) -> None:
     assert checked
 
 
-@pytest.mark.parametrize("key", [k for k, p in PARAMETERS.items() if "choices" in p])
+@for_each("key", [k for k, p in PARAMETERS.items() if "choices" in p])
 def test_choices_agree(key: str) -> None:
     rule = rule_of(key)
     choices = PARAMETERS[key]["choices"]
@@ -164,7 +163,7 @@ def test_choices_agree(key: str) -> None:
         assert sorted(rule.choices) == choices
 
 
-@pytest.mark.parametrize("key", [k for k, p in PARAMETERS.items() if "length" in p])
+@for_each("key", [k for k, p in PARAMETERS.items() if "length" in p])
 def test_lengths_agree(key: str) -> None:
     rule = rule_of(key)
     assert isinstance(rule, (Vector, Flags, Integers, OrCurrent))

@@ -100,14 +100,14 @@ def test_errors_say_name_value_range_and_unit() -> None:
     assert error(MODE, 2).expected == "0 (level) or 1 (pulses)"
 
 
-@pytest.mark.parametrize("value", [3, np.int8(3), np.array(3)])
+@for_each("value", [3, np.int8(3), np.array(3)])
 def test_integers(value: Any) -> None:
     result = COUNT("n", value)
     assert type(result) is int
     assert result == 3
 
 
-@pytest.mark.parametrize("value", [0, 17, 3.0, np.float64(3), True, "3", None, math.nan])
+@for_each("value", [0, 17, 3.0, np.float64(3), True, "3", None, math.nan])
 def test_what_is_no_whole_number_within_is_refused(value: object) -> None:
     error(COUNT, value)
 
@@ -152,7 +152,7 @@ def test_times_go_out_in_milliseconds() -> None:
     assert "None for no end" in error(endless, -1).expected
 
 
-@pytest.mark.parametrize(
+@for_each(
     "value",
     [
         [0.0, 1, 2.0, -1, 0, 0],
@@ -186,7 +186,7 @@ def test_what_numpy_reads_is_a_vector() -> None:
     assert ANGLES("q", ArrayLike()) == [0.0] * 6  # type: ignore[arg-type]  # no static face
 
 
-@pytest.mark.parametrize(
+@for_each(
     "value",
     [
         [0.0] * 5,

@@ -22,9 +22,8 @@ from aioduco.recording.tap import Tap
 ROOT = Path(__file__).parents[2] / "aioduco"
 
 
-@pytest.mark.cases(12)
-@pytest.mark.parametrize(
-    ("text", "host", "port"),
+@for_each(
+    "text, host, port",
     [
         ("192.168.1.10", "192.168.1.10", None),
         ("arm.lan:7003", "arm.lan", 7003),
@@ -80,7 +79,7 @@ def test_any_text_is_an_address_or_an_error(text: str) -> None:
     assert parse_address(f"[{host}]:1" if ":" in host else f"{host}:1") == (host, 1)
 
 
-@pytest.mark.parametrize("make", [StatusPort, ForceStream, Tap])
+@for_each("make", [StatusPort, ForceStream, Tap])
 def test_an_empty_host_is_no_host_of_this_computer(
     make: type[StatusPort | ForceStream | Tap],
 ) -> None:

@@ -7,6 +7,7 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -89,7 +90,7 @@ def test_rounding_to_binary32_never_leaves_a_bound(bound: float) -> None:
         assert least(bound) <= float(np.float32(bound)) <= most(bound)
 
 
-@pytest.mark.parametrize("arm", ARMS, ids=lambda arm: arm.name)
+@for_each("arm", ARMS)
 def test_a_joint_read_at_its_limit_keeps_its_branch(arm: kinematics.Arm) -> None:
     for joint in range(6):
         for value in (READ, -READ, 2 * math.pi, -2 * math.pi):

@@ -22,6 +22,7 @@ from typing import Any
 import made as making
 import numpy as np
 import pytest
+from for_each import for_each
 from made import made, same
 from public_classes import public_classes
 
@@ -69,7 +70,7 @@ def test_every_public_value_and_error_comes_back_the_same() -> None:
     assert not wrong, "\n".join(wrong)
 
 
-@pytest.mark.parametrize("way", WAYS)
+@for_each("way", WAYS)
 def test_a_failed_simulation_comes_back_the_same(way: str) -> None:
     """A worker process of tests sends it home; it is no error of the public interface."""
     error = SimulationFailed(ValueError("no room"))

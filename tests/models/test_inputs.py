@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from for_each import for_each
 
 import aioduco
 from aioduco import Joints, ParameterError, Pose, SceneError, TaughtPoints, kinematics
@@ -96,7 +97,7 @@ FILES: dict[str, Callable[[Any], object]] = {
 }
 
 
-@pytest.mark.parametrize("kind", NAMES)
+@for_each("kind", NAMES)
 def test_a_name_is_on_one_line(kind: str) -> None:
     for name in ("a\nb", "a\0", "\x1b[2J", "a\u2028b", "\u202e", 3, None, b"a"):
         with pytest.raises(ParameterError):
@@ -111,35 +112,35 @@ def _modbus() -> Any:
     return Robotiq.at_tool(aioduco.connect("192.0.2.1"))._modbus
 
 
-@pytest.mark.parametrize("name", NUMBERS)
+@for_each("name", NUMBERS)
 def test_what_is_no_number_is_refused_by_name(name: str) -> None:
     for value in NO_NUMBERS:
         with pytest.raises((ParameterError, SceneError), match=name):
             NUMBERS[name](value)
 
 
-@pytest.mark.parametrize("name", LISTS)
+@for_each("name", LISTS)
 def test_what_is_no_list_is_refused_by_name(name: str) -> None:
     for value in NO_LISTS:
         with pytest.raises(ParameterError, match=name):
             LISTS[name](value)
 
 
-@pytest.mark.parametrize("name", LISTENERS)
+@for_each("name", LISTENERS)
 def test_an_empty_address_to_listen_on_is_refused(name: str) -> None:
     for value in ("", None, 3, "x" * 300):
         with pytest.raises(ParameterError, match=name.partition(" ")[0]):
             LISTENERS[name](value)
 
 
-@pytest.mark.parametrize("name", FILES)
+@for_each("name", FILES)
 def test_what_is_no_file_is_refused_by_name(name: str) -> None:
     for value in NO_FILES:
         with pytest.raises(ParameterError, match=name):
             FILES[name](value)
 
 
-@pytest.mark.parametrize("points", ["points.toml", 3, ["a"], [("a",)]])
+@for_each("points", ["points.toml", 3, ["a"], [("a",)]])
 def test_what_are_no_points_by_name_is_refused(points: Any) -> None:
     with pytest.raises(ParameterError, match="points"):
         TaughtPoints(points)
@@ -151,7 +152,7 @@ def test_a_message_shows_the_beginning_of_a_long_value() -> None:
     assert len(str(caught.value)) < 1500
 
 
-@pytest.mark.parametrize(
+@for_each(
     "six",
     [
         {f"joint_{number}": 0.0 for number in range(1, 7)},

@@ -9,6 +9,7 @@ from typing import Any, get_args
 
 import numpy as np
 import pytest
+from for_each import for_each
 
 from aioduco._wire import rpc
 from aioduco.errors import ParameterError
@@ -46,8 +47,8 @@ def test_directions_are_said_as_the_controller_understands_them() -> None:
     assert back.wire(JogDirections.MANUAL_4_3).jog_direction == 1
 
 
-@pytest.mark.parametrize(
-    ("version", "directions"),
+@for_each(
+    "version, directions",
     [
         ("V2.6.1", JogDirections.MANUAL_3_8),
         ("3.8", JogDirections.MANUAL_3_8),
@@ -61,7 +62,7 @@ def test_the_version_tells_the_directions(version: str, directions: JogDirection
     assert directions_of(None, ControllerVersion(version)) is directions
 
 
-@pytest.mark.parametrize(
+@for_each(
     "version",
     [
         *("", "unknown", "V3", "V3.9.1", "V4.0", "V4.2.9", "V0.9", "V3.8.0 V4.3.0", "GCR5-910"),
@@ -96,8 +97,8 @@ def test_jogs_out_of_range_are_refused() -> None:
             jog()
 
 
-@pytest.mark.parametrize(
-    ("point", "mode", "field"),
+@for_each(
+    "point, mode, field",
     [
         (RealtimePoint.joint_position(SIX), 0, "joint_pos_cmd"),
         (RealtimePoint.joint_position(Joints(*SIX)), 0, "joint_pos_cmd"),
@@ -116,7 +117,7 @@ def test_a_realtime_command_fills_the_field_of_its_mode(
     assert point.wire() == expected
 
 
-@pytest.mark.parametrize("mode", list(RealtimeMode))
+@for_each("mode", list(RealtimeMode))
 def test_realtime_commands_out_of_range_are_refused(mode: RealtimeMode) -> None:
     make: Any = getattr(RealtimePoint, mode.name.lower())
     wrong: list[Any] = [SIX[:5], [*SIX, 0.0], [math.nan, *SIX[1:]], [math.inf, *SIX[1:]], None]
@@ -129,7 +130,7 @@ def test_realtime_commands_out_of_range_are_refused(mode: RealtimeMode) -> None:
             RealtimePoint(mode, values)
 
 
-@pytest.mark.parametrize("mode", [-1, 7, True, "joint_position", None])
+@for_each("mode", [-1, 7, True, "joint_position", None])
 def test_what_is_no_mode_makes_no_realtime_command(mode: Any) -> None:
     with pytest.raises(ParameterError, match="mode"):
         RealtimePoint(mode, tuple(SIX))

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
+from for_each import for_each
 
 import aioduco
 import aioduco.sync
@@ -77,8 +78,7 @@ TAKERS: dict[str, Callable[[Any], Any]] = {
 }
 
 
-@pytest.mark.cases(30)
-@pytest.mark.parametrize("name", TAKERS)
+@for_each("name", TAKERS)
 def test_every_kind_of_number_is_taken_and_kept_as_a_float(name: str) -> None:
     for value in SCALARS:
         kept = TAKERS[name](value)
@@ -86,8 +86,7 @@ def test_every_kind_of_number_is_taken_and_kept_as_a_float(name: str) -> None:
         assert kept == float(value)
 
 
-@pytest.mark.cases(30)
-@pytest.mark.parametrize("name", TAKERS)
+@for_each("name", TAKERS)
 def test_what_is_no_finite_number_is_refused(name: str) -> None:
     for value in (
         *(math.nan, math.inf, -math.inf, None, "1", True, np.True_, 10**400, 10**5000, 1j, [1]),
@@ -130,21 +129,21 @@ WHOLE_TAKERS: dict[str, Callable[[Any], Any]] = {
 }
 
 
-@pytest.mark.parametrize("name", WHOLE_TAKERS)
+@for_each("name", WHOLE_TAKERS)
 def test_every_kind_of_whole_number_is_taken_and_kept_as_an_int(name: str) -> None:
     for value in WHOLES:
         kept = WHOLE_TAKERS[name](value)
         assert (type(kept), kept) == (int, 3)
 
 
-@pytest.mark.parametrize("name", WHOLE_TAKERS)
+@for_each("name", WHOLE_TAKERS)
 def test_what_is_no_whole_number_is_refused(name: str) -> None:
     for value in (3.0, np.float64(3.0), np.array(3.0), np.array([3]), True, np.True_, None, NANO):
         with pytest.raises(ParameterError):
             WHOLE_TAKERS[name](value)
 
 
-@pytest.mark.parametrize("speed", [2, np.float32(2.0), np.array(2.0), Fraction(2), math.inf])
+@for_each("speed", [2, np.float32(2.0), np.array(2.0), Fraction(2), math.inf])
 def test_every_kind_of_number_is_a_speed_of_time(speed: Any) -> None:
     assert checked_speed(speed) == float(speed)
 
@@ -188,7 +187,7 @@ ARRAY_TAKERS: dict[str, Callable[[Any], Any]] = {
 }
 
 
-@pytest.mark.parametrize("name", ARRAY_TAKERS)
+@for_each("name", ARRAY_TAKERS)
 def test_an_array_of_other_things_than_numbers_is_refused(name: str) -> None:
     take = ARRAY_TAKERS[name]
     nano = np.arange(6) * np.timedelta64(1, "ns")
@@ -206,7 +205,7 @@ def test_an_array_of_other_things_than_numbers_is_refused(name: str) -> None:
             take(value)
 
 
-@pytest.mark.parametrize("name", ["times", "positions", "fkine", "rotation"])
+@for_each("name", ["times", "positions", "fkine", "rotation"])
 def test_an_array_of_any_kind_of_number_is_taken(name: str) -> None:
     for kind in (np.float32, np.int64, np.uint8, object):
         ARRAY_TAKERS[name](np.arange(6).astype(kind))
@@ -219,7 +218,7 @@ def test_what_is_masked_is_missing() -> None:
         JointTrajectory(masked, [0.0, 1.0])
 
 
-@pytest.mark.parametrize("jump", [math.nan, -1.0, "1", True])
+@for_each("jump", [math.nan, -1.0, "1", True])
 def test_a_largest_jump_that_is_no_angle_is_refused(jump: Any) -> None:
     arm = kinematics.arm("gcr5_910")
     home = Joints.deg(30, -15, 105, 0, -90, 0)
@@ -227,7 +226,7 @@ def test_a_largest_jump_that_is_no_angle_is_refused(jump: Any) -> None:
         arm.ikine(arm.fkine(home), home, max_jump=jump)
 
 
-@pytest.mark.parametrize("length", [math.nan, "x", None, True, 425.0])
+@for_each("length", [math.nan, "x", None, True, 425.0])
 def test_a_length_of_an_arm_that_is_no_number_is_refused(length: Any) -> None:
     with pytest.raises(ParameterError, match="a2"):
         kinematics.arm("gcr5_910", a2=length)

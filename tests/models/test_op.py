@@ -7,6 +7,7 @@ import math
 from typing import Any
 
 import pytest
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -93,9 +94,8 @@ def test_each_trigger_goes_into_its_own_fields(
             assert 1 <= index <= 127
 
 
-@pytest.mark.cases(5)
-@pytest.mark.parametrize(
-    ("make", "first", "most"),
+@for_each(
+    "make, first, most",
     [
         (output, 1, 16),
         (bool_register, 101, 64),
@@ -111,7 +111,7 @@ def test_targets_have_the_manuals_index_and_range(make: Any, first: int, most: i
             make(num)
 
 
-@pytest.mark.parametrize(
+@for_each(
     "target",
     [bool_register(28), bool_register(64), word_register(1), float_register(1), tool_output(1)],
 )
@@ -124,7 +124,7 @@ def test_what_a_signed_byte_cannot_carry_is_refused_with_the_reason(target: Outp
     Op.at_start(bool_register(27))
 
 
-@pytest.mark.parametrize("make", [Op.at_start, Op.near_end])
+@for_each("make", [Op.at_start, Op.near_end])
 def test_a_distance_in_millimetres_is_refused(make: Any) -> None:
     with pytest.raises(ParameterError, match=r"distance is 50, .* 5\.02 m \(millimetres\?\)"):
         make(output(1), distance=50)

@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 
 import pytest
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -56,8 +57,8 @@ def test_a_file_that_cannot_be_written_leaves_the_old_one(tmp_path: Path) -> Non
     assert list(TaughtPoints.load(file)) == ["home"]
 
 
-@pytest.mark.parametrize(
-    ("text", "says"),
+@for_each(
+    "text, says",
     [
         ("home = 3", "home"),
         ("[home]\njoints = [1, 2, 3]", "six"),

@@ -226,7 +226,7 @@ def test_a_pose_is_not_taken_for_joints_nor_joints_for_a_pose() -> None:
         _ = Pose(0, 0, 0, 0, 0, 0) @ np.eye(4)
 
 
-@pytest.mark.parametrize(
+@for_each(
     "with_another",
     [
         lambda pose, other: pose.distance(other),
@@ -243,7 +243,7 @@ def test_a_pose_goes_with_six_numbers_but_not_with_joints(with_another: Any) -> 
             with_another(pose, wrong)
 
 
-@pytest.mark.parametrize("t", [-0.1, 50, math.nan, "0.5", None, True])
+@for_each("t", [-0.1, 50, math.nan, "0.5", None, True])
 def test_a_fraction_between_two_is_a_number_from_0_to_1(t: Any) -> None:
     pose, joints = Pose(1.0, 2.0, 3.0, 0.1, 0.2, 0.3), Joints(1.0, 2.0, 3.0, 0.1, 0.2, 0.3)
     for one in (pose, joints):
@@ -264,7 +264,7 @@ def test_the_error_names_the_parameter_the_value_and_the_units() -> None:
         Joints(0, 0, math.inf, 0, 0, 0)
 
 
-@pytest.mark.parametrize(
+@for_each(
     "matrix",
     [
         np.eye(3),
@@ -275,7 +275,6 @@ def test_the_error_names_the_parameter_the_value_and_the_units() -> None:
         [[1.0, 0.0], [0.0]],
         "matrix",
     ],
-    ids=str,
 )
 def test_what_is_no_homogeneous_matrix_is_refused(matrix: Any) -> None:
     with pytest.raises(ParameterError):

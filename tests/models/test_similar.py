@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from for_each import for_each
 
 import aioduco
 import aioduco.sync
@@ -12,8 +13,8 @@ from aioduco.envelope import Envelope
 from aioduco.models.similar import did_you_mean, unknown
 
 
-@pytest.mark.parametrize(
-    ("name", "says"),
+@for_each(
+    "name, says",
     [
         ("lefft", ": did you mean 'left'?"),
         ("LEFT", ": did you mean 'left'?"),
@@ -40,7 +41,7 @@ both = pytest.mark.parametrize("robot", ROBOTS, ids=["awaited", "waiting"])
 
 
 @both
-@pytest.mark.parametrize(
+@for_each(
     "name", ["envelop", "evelope", "enevlope", "Envelope", "en_velope", "envelope_", "envelopes"]
 )
 def test_a_misspelt_envelope_is_refused(robot: Any, name: str) -> None:
@@ -51,16 +52,14 @@ def test_a_misspelt_envelope_is_refused(robot: Any, name: str) -> None:
 
 
 @both
-@pytest.mark.parametrize(
-    ("name", "meant"), [("rates", "rate"), ("Rate", "rate"), ("force", "forces")]
-)
+@for_each("name, meant", [("rates", "rate"), ("Rate", "rate"), ("force", "forces")])
 def test_so_is_a_misspelt_setting_of_the_feed(robot: Any, name: str, meant: str) -> None:
     with pytest.raises(AttributeError, match=f"no '{name}': did you mean '{meant}'"):
         setattr(robot.feed, name, 100)
 
 
 @both
-@pytest.mark.parametrize(
+@for_each(
     "name",
     ["gripper", "home", "name", "box", "limits", "my_envelope", "envelope_2", "old_envelope"],
 )

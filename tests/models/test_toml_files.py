@@ -9,10 +9,12 @@ import os
 import stat
 import tomllib
 from collections.abc import Callable, Iterator
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import pytest
+from for_each import for_each
 
 from aioduco import Cell, DucoError, Joints, ParameterError, TaughtPoints, WaypointFileError
 from aioduco.cli import robots_file
@@ -75,9 +77,9 @@ def test_every_reader_takes_a_byte_order_mark_and_any_line_ends(name: str, tmp_p
     assert len(set(found)) == 1
 
 
-@pytest.mark.cases(5)
-@pytest.mark.parametrize("name", READERS)
-@pytest.mark.parametrize("data", [b"[", b"\xff\xfea", MARK + b"x", b"a = " + b"[" * 100_000])
+@for_each(
+    "name, data", product(READERS, [b"[", b"\xff\xfea", MARK + b"x", b"a = " + b"[" * 100_000])
+)
 def test_every_reader_refuses_what_is_no_toml(name: str, data: bytes, tmp_path: Path) -> None:
     read, _, error = READERS[name]
     path = tmp_path / "file.toml"
@@ -93,7 +95,7 @@ def test_every_reader_says_that_a_file_is_missing(name: str, tmp_path: Path) -> 
         read(tmp_path / "file.toml")
 
 
-@pytest.mark.parametrize("name", sorted(READERS.keys() - {"robots"}))
+@for_each("name", sorted(READERS.keys() - {"robots"}))
 def test_every_reader_says_that_a_name_is_none(name: str) -> None:
     read, _, error = READERS[name]
     for path in (5, None, 1.5):
@@ -310,7 +312,7 @@ def test_a_value_of_another_kind_is_refused_by_a_typed_error(
     assert not wrong, "\n".join(wrong)
 
 
-@pytest.mark.parametrize(
+@for_each(
     "text",
     ["", 'a "b"', "back\\slash", "two\nlines", "a\r", "a\tb", "\x00\x1b", "\x7f", "é 部件 😀"],
 )

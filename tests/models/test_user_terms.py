@@ -6,6 +6,7 @@ import logging
 import sys
 
 import pytest
+from for_each import for_each
 
 import aioduco
 from aioduco.cli.command_terms import commands, in_commands
@@ -41,7 +42,7 @@ def test_functions_are_replaced_and_nothing_else_is() -> None:
         assert in_terms_of(names, text) == (told or text)
 
 
-@pytest.mark.parametrize("names", [_IN_PLACE_OF, commands(), commands("10.0.0.7:7003"), _BUTTONS])
+@for_each("names", [_IN_PLACE_OF, commands(), commands("10.0.0.7:7003"), _BUTTONS])
 def test_every_door_names_what_it_has(names: dict[str, str]) -> None:
     assert all(place(name) or hasattr(aioduco.Robot, name) for name in names)
     told = ["the event loop hung; call robot.rearm_heartbeat() or robot.recover() to go on"]

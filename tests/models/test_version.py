@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import pytest
+from for_each import for_each
 
 from aioduco.models.version import ControllerVersion
 
 
-@pytest.mark.parametrize(
-    ("text", "numbers"),
+@for_each(
+    "text, numbers",
     [
         ("V3.4.1", (3, 4, 1)),
         ("v2.7", (2, 7)),

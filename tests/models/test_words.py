@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from for_each import for_each
 
 import aioduco
 from aioduco import ParameterError, Pose, descriptions, kinematics
@@ -63,7 +64,7 @@ def _named(word: Any) -> Any:
     return {word if isinstance(word, str) else "x": 1.0}
 
 
-@pytest.mark.parametrize("name", TAKERS)
+@for_each("name", TAKERS)
 def test_what_is_no_word_of_a_few_is_refused_by_name(name: str) -> None:
     take, nearly = TAKERS[name]
     for value in NO_WORDS:

@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from for_each import for_each
 from interpreter import python
 from patient import patient_queue
 
@@ -298,7 +299,7 @@ def test_no_line_of_a_page_in_chinese_ends_within_a_sentence() -> None:
     assert found == []
 
 
-@pytest.mark.parametrize("page", [p for p in PAGES if p.path.startswith("docs/zh/")])
+@for_each("page", [p for p in PAGES if p.path.startswith("docs/zh/")])
 def test_a_page_in_chinese_has_the_blocks_of_the_english_one(page: Page) -> None:
     name = page.path.removeprefix("docs/zh/")
     (english,) = [p for p in PAGES if p.path in {f"docs/{name}", f"docs/guides/{name}"}]

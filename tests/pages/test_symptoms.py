@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from importlib.machinery import SourceFileLoader
 from types import CodeType
 
-import pytest
+from for_each import for_each
 
 import aioduco.errors
 from pages.blocks import ROOT
@@ -64,6 +64,6 @@ def test_what_is_quoted_is_said() -> None:
     assert missing == []
 
 
-@pytest.mark.parametrize("page", ["index.md", "tutorial.md"])
+@for_each("page", ["index.md", "tutorial.md"])
 def test_readers_are_led_to_it(page: str) -> None:
     assert "(symptoms.md)" in (ROOT / "docs" / page).read_text("utf-8")

@@ -8,6 +8,7 @@ import pickle
 from pathlib import Path
 
 import pytest
+from for_each import for_each
 
 import aioduco
 import aioduco.sync
@@ -158,8 +159,8 @@ async def test_all_robots_of_a_cell_are_connected_and_move_within_its_limits() -
                 await robots["left"].motion.movej2(Joints.deg(0, 60, 90, 0, -90, 0), v=0.3, a=0.5)
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "line", "says"),
+@for_each(
+    "old, new, line, says",
     [
         ("[robots.right]", "[robts.right]", 9, "did you mean 'robots'"),
         ('host = "192.0.2.1"', 'hosst = "192.0.2.1"', 8, "did you mean 'host'"),

@@ -13,6 +13,7 @@ import anyio
 import numpy as np
 import pytest
 from cli_runner import CliRunner
+from for_each import for_each
 from interpreter import python
 from moments import complaints, streamed_in_time
 from patient import COMMAND_LINE, patient_queue
@@ -182,7 +183,7 @@ async def test_the_fastest_plan_is_one_that_a_stream_takes() -> None:
     assert asked == [JOINT_SPEED.high]
 
 
-@pytest.mark.parametrize(
+@for_each(
     "given",
     [
         {"watch": Scene("gcr5_910")},
@@ -190,7 +191,6 @@ async def test_the_fastest_plan_is_one_that_a_stream_takes() -> None:
         {"feedback": print},
         {"options": WorkerOptions()},
     ],
-    ids=lambda given: next(iter(given)),
 )
 async def test_blended_motions_take_no_options_of_a_stream(given: dict[str, Any]) -> None:
     plan = straight(Scene("gcr5_910"))

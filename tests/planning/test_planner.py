@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy
+from for_each import for_each
 from interpreter import python
 
 from aioduco import (
@@ -346,7 +347,7 @@ def test_a_gripper_leaves_the_part_between_its_fingers_and_comes_back() -> None:
             assert plan.check(scene), plan.check(scene)
 
 
-@pytest.mark.parametrize("goal", [None, 3, "home", (), [0.0] * 6])
+@for_each("goal", [None, 3, "home", (), [0.0] * 6])
 def test_what_is_no_goal_is_refused(goal: Any) -> None:
     with pytest.raises(ParameterError, match="Joints, a Pose, a Region, or several of these"):
         goals_of(goal)

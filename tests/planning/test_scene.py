@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from for_each import for_each
 from interpreter import python
 
 from aioduco import Joints, ParameterError, SceneError
@@ -21,14 +22,14 @@ from aioduco.testing.preflight.margins import margins
 READY = Joints.deg(0, 0, 90, 0, -90, 0)
 
 
-@pytest.mark.parametrize("model", models())
+@for_each("model", models())
 def test_an_arm_that_stands_ready_is_free(model: str) -> None:
     scene = Scene(model)
     assert not scene.collides(READY)
     assert scene.clearance(READY).distance > 0.01
 
 
-@pytest.mark.parametrize("radius", [0.02, 0.05])
+@for_each("radius", [0.02, 0.05])
 def test_a_distance_is_that_of_the_geometry(radius: float) -> None:
     """A sphere under the flange's face: the flange's disc ends at the flange's origin."""
     scene = Scene("gcr5_910")
@@ -184,7 +185,7 @@ def test_the_scene_of_a_running_simulator_is_as_it_is_now() -> None:
     assert not scene.collides(Joints.of(lifted))
 
 
-@pytest.mark.parametrize("mounting", ["floor", "wall", "ceiling"])
+@for_each("mounting", ["floor", "wall", "ceiling"])
 def test_the_mounting_is_the_simulators(mounting: str) -> None:
     scene = Scene("gcr3_618", mounting=mounting)  # type: ignore[arg-type] # one of the three
     assert not scene.collides(READY)
@@ -260,7 +261,7 @@ def test_a_thing_keeps_its_place_whatever_becomes_of_the_callers_list() -> None:
     assert hash(cloud) == hash(PointCloud(points=np.zeros((4, 3))))
 
 
-@pytest.mark.parametrize("at", [5, {1.0, 2.0, 3.0}, "123", None])
+@for_each("at", [5, {1.0, 2.0, 3.0}, "123", None])
 def test_a_thing_is_moved_to_no_place_that_is_none(at: Any) -> None:
     scene = Scene("gcr5_910", [Box(name="box")])
     with pytest.raises(ParameterError, match="at"):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import scipy
+from for_each import for_each
 
 from aioduco.planning.band import BandMatrix
 from aioduco.planning.spline import BSpline
@@ -30,7 +31,7 @@ def test_points_and_derivatives_are_those_of_scipy(degree: int, shape: tuple[int
     assert np.array_equal(ours(np.array([ours.begin, ours.end])), control[[0, -1]])
 
 
-@pytest.mark.parametrize("count", [6, 7, 60, 1000])
+@for_each("count", [6, 7, 60, 1000])
 def test_the_one_through_points_is_that_of_scipy(count: int) -> None:
     random = np.random.default_rng(count)
     at, points = np.cumsum(random.uniform(0.2, 1.8, count)), random.normal(size=(count, 6))

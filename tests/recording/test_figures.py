@@ -18,6 +18,7 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 from cli_runner import CliRunner
+from for_each import for_each
 
 import aioduco
 import aioduco.sync
@@ -147,7 +148,7 @@ def test_a_panel_of_zeros_is_left_out_unless_there_is_no_other() -> None:
     assert [panel.title for panel in panels(only)] == ["joint angles"]
 
 
-@pytest.mark.parametrize(("steps", "shown"), [(1, False), (3, True)])
+@for_each("steps, shown", [(1, False), (3, True)])
 def test_a_distance_of_one_step_of_a_recording_is_none(steps: int, shown: bool) -> None:
     class Followed(Plain):
         topics: ClassVar = {"/joint_states": 2, "/joint_setpoints": 2}
@@ -177,7 +178,7 @@ def test_no_legend_and_no_name_of_a_mark_lies_over_a_curve() -> None:
         assert not axes.texts
 
 
-@pytest.mark.parametrize("text", FOREIGN)
+@for_each("text", FOREIGN)
 def test_no_text_of_a_recording_is_read_as_html(text: str, tmp_path: Path) -> None:
     page = tmp_path / "run.html"
     run: Any = Strange(text)

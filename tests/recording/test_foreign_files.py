@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from for_each import for_each
 
 from aioduco.errors import DucoError, ParameterError, RecordingError
 from aioduco.recording import read
@@ -78,7 +79,7 @@ def used(path: Path, folder: Path) -> None:
         assert file.resolve().parent == folder.resolve()
 
 
-@pytest.mark.parametrize("kind", STRANGE)
+@for_each("kind", STRANGE)
 def test_a_strange_file_is_read_or_refused_by_a_typed_error(kind: str, tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
     path.write_bytes(HEAD + STRANGE[kind]() + END)

@@ -19,6 +19,7 @@ from typing import Any
 
 import pytest
 from client.bench import HOME, Bench
+from for_each import for_each
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
@@ -178,7 +179,7 @@ async def test_nothing_of_a_publication_stays_behind(robot: aioduco.Robot) -> No
     assert not any(lane.observers for lane in supervisor.lanes)
 
 
-@pytest.mark.parametrize(("port", "host"), [(-1, "127.0.0.1"), (70_000, "127.0.0.1"), (0, "")])
+@for_each("port, host", [(-1, "127.0.0.1"), (70_000, "127.0.0.1"), (0, "")])
 async def test_what_cannot_be_listened_on_is_refused(port: int, host: str) -> None:
     with pytest.raises(aioduco.ParameterError):
         aioduco.connect("192.0.2.1").publish(port, host=host)

@@ -5,6 +5,7 @@ import threading
 from typing import Any, cast
 
 import pytest
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -61,7 +62,7 @@ def test_what_cannot_be_caught_up_is_given_up_and_counted() -> None:
     assert pace.delay(1.0) == pytest.approx(0.001)
 
 
-@pytest.mark.parametrize("speed", [0.0, -1.0, math.nan])
+@for_each("speed", [0.0, -1.0, math.nan])
 def test_a_speed_is_above_zero(speed: float) -> None:
     with pytest.raises(ValueError, match="above 0"):
         CycleSchedule(0.001, speed)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from for_each import for_each
 
 import aioduco
 from aioduco.errors import SceneError
@@ -43,7 +44,7 @@ def observed(observer: CollisionDetector, external: list[float], cycles: int) ->
     ]  # fmt: skip
 
 
-@pytest.mark.parametrize("level", [1, 2, 3, 4, 5])
+@for_each("level", [1, 2, 3, 4, 5])
 def test_a_torque_beyond_the_levels_share_is_a_collision(level: int) -> None:
     observer = CollisionDetector(EFFORT)
     assert observer.level == 3

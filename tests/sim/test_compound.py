@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from for_each import for_each
 
 import aioduco
 from aioduco._wire.rpc import Op
@@ -153,7 +154,7 @@ def test_a_path_square_to_the_plane_is_refused(robot: Program) -> None:
     assert "square to the plane" in robot.get_last_error()[-1]
 
 
-@pytest.mark.parametrize(
+@for_each(
     "wrong",
     [
         {"type": 0},
@@ -170,7 +171,6 @@ def test_a_path_square_to_the_plane_is_refused(robot: Program) -> None:
         {"time": [100, -1]},
         {"op_list": [Op(time_or_dist_1=5)]},
     ],
-    ids=str,
 )
 def test_a_weave_that_makes_no_sense_is_not_set(strict: Program, wrong: dict[str, Any]) -> None:
     assert configure(strict, **wrong) == TaskState.PARAMETER_MISMATCH

@@ -7,9 +7,11 @@ import math
 import socket
 from collections.abc import Callable
 from contextlib import closing
+from itertools import product
 
 import numpy as np
 import pytest
+from for_each import for_each
 
 from aioduco.kinematics import arm
 from aioduco.models.enums import OperationMode, TaskState
@@ -47,8 +49,8 @@ def test_an_input_follows_its_output_after_a_time() -> None:
     assert not signals.standard_in[3]
 
 
-@pytest.mark.parametrize(
-    ("rule", "what"),
+@for_each(
+    "rule, what",
     [
         ((0, 1), "output is 0"),
         ((1, 17), "input is 17"),
@@ -112,8 +114,8 @@ def test_commands_do_what_they_say(sim: Simulator, robot: Program) -> None:
     assert say("help").count("\n") == len(COMMANDS) - 1 == say("").count("\n")
 
 
-@pytest.mark.parametrize(
-    ("line", "said"),
+@for_each(
+    "line, said",
     [
         ("jump", "there is no command 'jump'; there are input, output"),
         ("inptu 3 on", "did you mean 'input'?"),
@@ -208,8 +210,7 @@ def test_lines_are_answered_in_order_until_the_port_is_closed() -> None:
         socket.create_connection(("127.0.0.1", lines.port), timeout=30)
 
 
-@pytest.mark.parametrize("length", [1, 5000])
-@pytest.mark.parametrize("method", ["POST", "GET", "OPTIONS"])
+@for_each("length, method", product([1, 5000], ["POST", "GET", "OPTIONS"]))
 def test_no_part_of_a_request_of_a_browser_is_a_command(method: str, length: int) -> None:
     seen: list[str] = []
 
@@ -226,7 +227,7 @@ def test_no_part_of_a_request_of_a_browser_is_a_command(method: str, length: int
     assert seen == []
 
 
-@pytest.mark.parametrize("length", [999, 1000, 1001, 5000])
+@for_each("length", [999, 1000, 1001, 5000])
 def test_no_part_of_a_line_that_is_too_long_is_a_command(length: int) -> None:
     seen: list[str] = []
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from for_each import for_each
 
 from aioduco.models.enums import OperationMode, SafetyState, TaskState
 from aioduco.sim.controller.motion_queue import CAPACITY
@@ -432,7 +433,7 @@ def test_power_comes_back_only_after_release_and_power_off(ready: Bench) -> None
     assert ready.ended(ready.controller.move("movej2", leg(1.0))) == 4
 
 
-@pytest.mark.parametrize("name", ["power_on", "enable", "disable"])
+@for_each("name", ["power_on", "enable", "disable"])
 def test_the_emergency_stop_ends_a_change_that_was_to_end_with_power(name: str) -> None:
     bench = Bench()
     bench.power(*{"power_on": [], "enable": ["power_on"], "disable": ["power_on", "enable"]}[name])

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from for_each import for_each
 
 import aioduco
 from aioduco._wire.rpc import EAxisParam
@@ -64,17 +65,16 @@ async def where(robot: aioduco.Robot, name: str = "rail") -> float:
     return states[name].position
 
 
-@pytest.mark.parametrize(
+@for_each(
     "axes",
     [3, "rail", {}, [3.0], ["rail"], [None], [[1.0]], [[0.0, 1.0, math.nan, 1.0]], [[1.0] * 7]],
-    ids=str,
 )
 def test_a_scheme_of_what_are_no_axes_is_refused(axes: Any) -> None:
     with pytest.raises(aioduco.ParameterError, match=r"external_axes\['rail'\]"):
         Simulator(external_axes={"rail": axes})
 
 
-@pytest.mark.parametrize("table", ["external_axes", "values", "programs"])
+@for_each("table", ["external_axes", "values", "programs"])
 def test_what_a_simulator_has_by_name_has_names(table: str) -> None:
     for name in ("", 3, None, "a\nb"):
         tables: dict[str, Any] = {table: {name: []}}
@@ -254,7 +254,7 @@ async def test_axes_and_schemes_are_set_up_over_the_wire(
     await refused(cell, axes.delete_eaxis_scheme(5), aioduco.TaskIllegal, "no scheme 5")
 
 
-@pytest.mark.parametrize(
+@for_each(
     "schemes",
     [
         {"rail": []},
@@ -286,7 +286,7 @@ WRONG: list[tuple[str, tuple[Any, ...], TaskState]] = [
 ]
 
 
-@pytest.mark.parametrize(("function", "arguments", "state"), WRONG, ids=str)
+@for_each("function, arguments, state", WRONG)
 def test_calls_that_make_no_sense(
     cell: Simulator, function: str, arguments: tuple[Any, ...], state: TaskState
 ) -> None:

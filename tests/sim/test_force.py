@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from for_each import for_each
 from numpy.typing import NDArray
 
 from aioduco.kinematics import arm
@@ -229,7 +230,7 @@ def test_joints_that_cannot_follow_slow_down_and_say_so() -> None:
 # -- the guard --------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("force", [40.5, -40.5, math.nan])
+@for_each("force", [40.5, -40.5, math.nan])
 def test_a_force_beyond_the_guard_is_told(force: float) -> None:
     guarded = Arm(law(NONE))
     guarded.control.guard = ForceGuard(Z, (10.0, 10.0, 40.0, 1.0, 1.0, 1.0), FLANGE)
@@ -289,7 +290,7 @@ def test_a_condition_holds_for_its_duration() -> None:
     assert clock.at(0.3) is None
 
 
-@pytest.mark.parametrize("what", ["pos", "vel", "ft"])
+@for_each("what", ["pos", "vel", "ft"])
 def test_a_range_of_zero_takes_a_number_out_of_the_condition(what: Any) -> None:
     clock = Clock(*(1 if each == what else 0 for each in ("pos", "vel", "ft")))
     z_alone = (0.0, 0.0, 0.005, 0.0, 0.0, 0.0)
@@ -322,8 +323,8 @@ def test_changes_count_from_the_beginning_and_angles_go_round() -> None:
     assert clock.at(0.2, pos=2.5) == "met"
 
 
-@pytest.mark.parametrize(
-    ("logic", "values", "verdict"),
+@for_each(
+    "logic, values, verdict",
     [
         ((1, 0, 1), {"pos": 10.0}, None),
         ((1, 0, 1), {"pos": 10.0, "ft": 10.0}, "met"),

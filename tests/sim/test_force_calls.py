@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from for_each import for_each
 
 from aioduco.models.enums import TaskState
 from aioduco.sim.simulator import Simulator
@@ -118,11 +119,7 @@ def robot(program: Program) -> Iterator[Program]:
         assert program.ended(getattr(program, function)(*args)) == FINE
 
 
-@pytest.mark.parametrize(
-    ("name", "usual", "change", "state"),
-    CALLS,
-    ids=[f"{name} {change} {state}" for name, _, change, state in CALLS],
-)
+@for_each("name, usual, change, state", CALLS)
 def test_what_a_call_ends_as(
     robot: Program, name: str, usual: dict[str, Any], change: dict[str, Any], state: TaskState
 ) -> None:

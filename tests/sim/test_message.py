@@ -56,7 +56,7 @@ def test_each_function_of_the_wire_is_measured_exactly(name: str) -> None:
     assert inbox.take() is None
 
 
-@pytest.mark.parametrize("size", [1, 2, 7, 1000])
+@for_each("size", [1, 2, 7, 1000])
 def test_a_message_that_comes_in_pieces_is_the_same(size: int) -> None:
     inbox = CallInbox()
     found = []
@@ -75,8 +75,8 @@ def test_a_thousand_points_of_a_track_pass() -> None:
     assert inbox.take() is not None
 
 
-@pytest.mark.parametrize(
-    ("data", "reason"),
+@for_each(
+    "data, reason",
     [
         (b"\x00\x00\x00\x20\x80\x01\x00\x01", "strict binary"),
         (b"GET / HTTP/1.1\r\n\r\n", "strict binary"),

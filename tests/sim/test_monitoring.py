@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -129,7 +130,7 @@ def test_a_beat_puts_the_loss_off_and_the_loss_is_said_once() -> None:
     assert not heartbeat.armed
 
 
-@pytest.mark.parametrize("slack", [0.0, 0.5])
+@for_each("slack", [0.0, 0.5])
 def test_a_beat_may_come_after_its_time_by_the_slack(slack: float) -> None:
     heartbeat = HeartbeatWatchdog()
     heartbeat.slack = slack

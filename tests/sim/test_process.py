@@ -15,6 +15,7 @@ from typing import Any
 
 import psutil
 import pytest
+from for_each import for_each
 
 from aioduco.errors import ParameterError, SceneError
 from aioduco.sim.cabinet.script import Call
@@ -80,8 +81,8 @@ def _program() -> Generator[Call, Any, None]:
     yield "movej2", ()
 
 
-@pytest.mark.parametrize(
-    ("options", "told"),
+@for_each(
+    "options, told",
     [
         ({"programs": {"a": lambda: [*_program()]}}, "programs is .*lists of calls or in a folder"),
         ({"values": {"a": threading.Lock()}}, "values is .*must be what another process"),

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from for_each import for_each
 
 from aioduco.models.enums import ProgramState, TaskState
 from aioduco.sim.cabinet.script import ProgramError, read
@@ -299,8 +300,8 @@ def test_links_out_of_the_folder_are_refused(tmp_path: Path) -> None:
         read(folder)
 
 
-@pytest.mark.parametrize(
-    ("content", "message"),
+@for_each(
+    "content, message",
     [
         ("{", "is no JSON"),
         ("[" * 100_000, "is no JSON"),

@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 import pytest
+from for_each import for_each
 
 from aioduco.models.enums import TaskState
 from aioduco.sim.cabinet.signals import LEVEL, Outputs, Pulses
@@ -107,7 +108,7 @@ def test_pulses_begin_when_the_output_is_set() -> None:
     assert not outputs.level(4, 0.0)
 
 
-@pytest.mark.parametrize(("frequency", "duty", "pulses"), [(100, 10, 1), (100, 9, 0), (1, 1, 10)])
+@for_each("frequency, duty, pulses", [(100, 10, 1), (100, 9, 0), (1, 1, 10)])
 def test_pulses_shorter_than_a_millisecond_switch_the_output_off(
     frequency: int, duty: int, pulses: int
 ) -> None:

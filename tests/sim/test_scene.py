@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from for_each import for_each
 
 from aioduco.errors import ParameterError, SceneError
 from aioduco.kinematics import arm, gravity
@@ -101,7 +102,7 @@ def test_a_scene_from_a_file(tmp_path: Path) -> None:
     assert world.model.body("scene/base").pos[0] == 0.6
 
 
-@pytest.mark.parametrize("before", ["\ufeff", "\n", "\ufeff\r\n  "], ids=repr)
+@for_each("before", ["\ufeff", "\n", "\ufeff\r\n  "])
 def test_a_scene_as_text_may_begin_as_its_file_does(before: str) -> None:
     text = "<mujoco><worldbody><geom name='post' size='0.1' pos='1 0 0'/></worldbody></mujoco>"
     world = World(FIVE, q=HOME, scene=mjcf_of(before + text))
@@ -121,8 +122,8 @@ def test_drives_of_a_tool_keep_their_power_when_the_brakes_fall() -> None:
     assert np.abs(world.q - HOME).max() < 1e-5
 
 
-@pytest.mark.parametrize(
-    ("scene", "says"),
+@for_each(
+    "scene, says",
     [
         ("nowhere.xml", "does not exist"),
         ("<mujoco><boddy/></mujoco>", "no MJCF"),
@@ -178,7 +179,7 @@ def test_what_is_no_scene_is_refused_before_the_start() -> None:
         Simulator(mounting=[0.0, 1.0])
 
 
-@pytest.mark.parametrize(
+@for_each(
     "wrong",
     [
         lambda: Box(size=(0.1, 0.0, 0.1)),

@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 import pytest
+from for_each import for_each
 
 from aioduco.models.enums import TaskState
 from aioduco.models.pose import Joints, Pose
@@ -125,8 +126,8 @@ def test_too_large_a_step_at_too_large_an_acceleration_is_a_position_deviation(
     assert robot.get_robot_state()[2] != 5
 
 
-@pytest.mark.parametrize(
-    ("joints", "numbers", "state"),
+@for_each(
+    "joints, numbers, state",
     [
         (READY[:5], (1.0, 5.0, *GAINS), TaskState.ILLEGAL),
         ((math.nan, *READY[1:]), (1.0, 5.0, *GAINS), TaskState.PARAMETER_MISMATCH),

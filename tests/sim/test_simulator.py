@@ -9,6 +9,7 @@ import threading
 import numpy as np
 import psutil
 import pytest
+from for_each import for_each
 
 import aioduco
 from aioduco._wire.rpc import Op, RobotStatus
@@ -225,8 +226,8 @@ def test_global_speed_scales_time(sim: Simulator, robot: Program) -> None:
 # -- what a controller refuses -------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("change", "ends"),
+@for_each(
+    "change, ends",
     [
         ({"joints_list": [0.0] * 5}, 7),
         ({"joints_list": []}, 7),
@@ -269,8 +270,8 @@ def test_a_speed_far_above_its_range_is_the_highest(sim: Simulator, robot: Progr
         assert robot.to(*READY, v=-30.0) == TaskState.PARAMETER_MISMATCH
 
 
-@pytest.mark.parametrize(
-    ("change", "ends"),
+@for_each(
+    "change, ends",
     [
         ({"tool": "gripper"}, 7),
         ({"wobj": "pallet"}, 7),
@@ -454,9 +455,8 @@ def test_a_simulator_is_entered_before_it_is_used_and_once() -> None:
         assert sim.time >= 0.0
 
 
-@pytest.mark.cases(4)
-@pytest.mark.parametrize(
-    ("options", "said"),
+@for_each(
+    "options, said",
     [
         ({"model": "ur5"}, "model is 'ur5'"),
         ({"model": 5}, "model is 5"),

@@ -8,6 +8,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 from kinematics.bias import bias_acceleration
@@ -175,8 +176,8 @@ def test_poses_are_in_the_work_object_in_use(sim: Simulator, robot: Program) -> 
     assert robot.get_wobj() == pytest.approx(list(frame))
 
 
-@pytest.mark.parametrize(
-    ("name", "offset", "payload", "inertia"),
+@for_each(
+    "name, offset, payload, inertia",
     [
         ("", [0.0] * 6, [0.0] * 4, []),
         ("x" * 33, [0.0] * 6, [0.0] * 4, []),

@@ -9,6 +9,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 import pytest
+from for_each import for_each
 
 from aioduco._wire.rpc import IOStatus, Op, RobotStatus
 from aioduco.models.enums import RobotState
@@ -163,7 +164,7 @@ SIGNALS: list[tuple[str, int, Act, int, Any, str]] = [
 ]
 
 
-@pytest.mark.parametrize("row", SIGNALS, ids=[row[0] for row in SIGNALS])
+@for_each("row", SIGNALS)
 def test_each_field_of_the_signals_status_is_live(
     cell: Simulator, connect: Connect, row: tuple[Any, ...]
 ) -> None:

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from for_each import for_each
 
 from aioduco._wire.rpc import MoveJogTaskParam
 from aioduco.models.enums import TaskState
@@ -256,7 +257,7 @@ def test_a_jog_begins_only_where_nothing_else_runs(sim: Simulator, robot: Progra
     assert robot.stop(True) == TaskState.FINISHED
 
 
-@pytest.mark.parametrize(
+@for_each(
     "wrong",
     [
         {"jog_direction": 0},

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 from cli_runner import CliRunner
+from for_each import for_each
 
 from aioduco.cli.app import app
 from aioduco.cli.stream_figure import plot
@@ -39,8 +40,8 @@ def better_table() -> Any:
     return Examination(found, found, 4, "performance", 1000.0, 1000.0).__rich__()
 
 
-@pytest.mark.parametrize(
-    ("late", "work", "rate"),
+@for_each(
+    "late, work, rate",
     [(1e-4, 2e-4, 1000.0), (5e-4, 6e-4, 500.0), (3e-3, 4e-3, 125.0), (0.1, 0.0, 0.0)],
 )
 def test_a_rate_is_held_if_lateness_and_work_fit(late: float, work: float, rate: float) -> None:
@@ -67,7 +68,7 @@ def test_uneven_answers_are_the_network_only_where_the_machine_is_not_to_blame()
     assert "cable" not in " ".join(Examination(busy, busy, 4, "", 60.0, 60.0).advice)
 
 
-@pytest.mark.parametrize(("late", "depth"), [(1e-4, 20), (0.015, 60), (3.0, 1000)])
+@for_each("late, depth", [(1e-4, 20), (0.015, 60), (3.0, 1000)])
 def test_a_depth_is_given_that_bridges_what_was_seen(late: float, depth: int) -> None:
     found = figures(late, late)
     assert Examination(found, found, 4, "", 0.0, 0.0).depth == depth

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import pytest
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -67,8 +67,8 @@ def following() -> PoolStates:
     return pool
 
 
-@pytest.mark.parametrize(
-    ("waiting", "capacity", "closing", "awaited", "begins"),
+@for_each(
+    "waiting, capacity, closing, awaited, begins",
     [
         (9, 256, False, False, False),
         (10, 256, False, False, True),

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from for_each import for_each
 
 import aioduco.streaming
 from aioduco._process import spawn
@@ -41,7 +42,7 @@ def imported(path: Path) -> set[str]:
     return found
 
 
-@pytest.mark.parametrize("name", PURE)
+@for_each("name", PURE)
 def test_pure_parts_know_no_clock_and_no_file(name: str) -> None:
     assert not imported(FOLDER / f"{name}.py") & IMPURE
 

@@ -11,6 +11,7 @@ from typing import Any
 import anyio
 import numpy as np
 import pytest
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 from wire.servers import PATIENCE, Peer, ScriptedServer
@@ -256,7 +257,7 @@ def rest(server: ScriptedServer, seconds: float, *, stops: bool) -> tuple[bool, 
         own.close()
 
 
-@pytest.mark.parametrize("count", [0, 3])
+@for_each("count", [0, 3])
 def test_it_is_seen_to_stand_twice(count: int) -> None:
     with ScriptedServer(moving(count)) as server:
         stands, signs = rest(server, PATIENCE, stops=False)

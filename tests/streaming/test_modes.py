@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from client.bench import HOME, Bench
+from for_each import for_each
 
 import aioduco
 from aioduco import JointTrajectory, SwitchPlace, Tolerances, TrajectorySwitch
@@ -270,7 +271,7 @@ async def test_one_that_is_not_made_changes_nothing() -> None:
     np.testing.assert_allclose(stream.points[-1], HERE + WAY)
 
 
-@pytest.mark.parametrize("number", [1001, None])
+@for_each("number", [1001, None])
 async def test_it_is_said_when_it_is_too_late(number: int | None) -> None:
     switch = TrajectorySwitch()
     asked: list[str] = []

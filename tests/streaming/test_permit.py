@@ -11,6 +11,7 @@ from typing import Any
 
 import anyio
 import pytest
+from for_each import for_each
 from patient import patient_queue
 
 from aioduco._process.platform import boot_time
@@ -131,8 +132,8 @@ def test_without_a_heartbeat_it_ends() -> None:
     assert clocks.look(0.1) is Reason.LAPSED
 
 
-@pytest.mark.parametrize(
-    ("commands", "reason"),
+@for_each(
+    "commands, reason",
     [
         ({ControlWord.CLOSE: 1, ControlWord.ABORT: 1}, Reason.NONE),
         ({ControlWord.HALT: 1}, Reason.STOPPED),

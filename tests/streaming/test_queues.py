@@ -13,6 +13,7 @@ from typing import Any, cast
 import anyio
 import numpy as np
 import pytest
+from for_each import for_each
 
 from aioduco._wire.rpc import PointOp, RealTimeControlData
 from aioduco.api.streams.realtime import CYCLE, RealtimeStreams
@@ -225,7 +226,7 @@ async def test_a_queue_from_which_nothing_is_taken_any_more_ends_the_stream(
     assert controller.names()[-2:] == ["end_realtime_mode", "stop"]
 
 
-@pytest.mark.parametrize("mode", ["joint_torque", 2, "nonsense"])
+@for_each("mode", ["joint_torque", 2, "nonsense"])
 def test_torques_and_unknown_modes_are_refused(mode: Any) -> None:
     known = '"joint_position", "joint_velocity", "pose" or "twist"'
     with pytest.raises(ParameterError, match=known) as refused:

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import pytest
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -132,7 +133,7 @@ def test_a_counter_of_reads_ahead_of_that_of_writes_is_an_empty_ring() -> None:
     assert ring.level == 0
 
 
-@pytest.mark.parametrize("extra", range(17))
+@for_each("extra", range(17))
 def test_a_ring_takes_no_more_room_than_its_points(extra: int) -> None:
     slot = Ring.size(4, extra) - Ring.size(3, extra)
     assert slot % 8 == 0  # the numbers in a slot are aligned

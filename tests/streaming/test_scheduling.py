@@ -8,6 +8,7 @@ import sys
 import threading
 
 import pytest
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -176,7 +177,7 @@ def test_a_long_stall_is_skipped_at_once() -> None:
     assert schedule.missed == 9
 
 
-@pytest.mark.parametrize("period", [0, -1])
+@for_each("period", [0, -1])
 def test_a_period_must_be_above_zero(period: int) -> None:
     with pytest.raises(ValueError, match="above zero"):
         Schedule(period, 0)

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -28,8 +29,8 @@ def test_a_rate_that_upsampling_needs_names_the_other_way() -> None:
         Servo(Controller.nowhere()).joints(v=1.0, a=5.0, upsample="cubic")
 
 
-@pytest.mark.parametrize(
-    ("changed", "name"),
+@for_each(
+    "changed, name",
     [
         ({"v": 4.0}, "v"),
         ({"v": 0.0}, "v"),
@@ -53,7 +54,7 @@ def test_what_is_not_allowed_is_refused_before_anything_is_sent(
     assert caught.value.parameter == name
 
 
-@pytest.mark.parametrize(
+@for_each(
     "options",
     [
         {"run_in": "fiber"},

@@ -6,6 +6,7 @@ import itertools
 import math
 
 import pytest
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -116,7 +117,7 @@ def test_starving_longer_than_the_hold_time_decelerates_and_ends() -> None:
     assert bench.source.reason is Reason.STARVED
 
 
-@pytest.mark.parametrize("paced", [False, True], ids=["newest", "paced"])
+@for_each("paced", [False, True])
 def test_the_hold_is_as_long_on_a_slow_connection(paced: bool) -> None:
     numbers = []
     for passed in (1, 5):
@@ -136,7 +137,7 @@ def test_set_points_that_wait_for_their_turn_are_no_silence_on_a_slow_connection
         assert bench.step(passed=5) in {StreamState.FOLLOWING, StreamState.WAITING}
 
 
-@pytest.mark.parametrize("way", ["none", "linear", "cubic"])
+@for_each("way", ["none", "linear", "cubic"])
 def test_closing_follows_what_was_sent_to_its_end(way: str) -> None:
     bench = Bench(way=way)
     bench.fed = [(0.002 * n,) * 6 for n in range(30)]
@@ -154,7 +155,7 @@ def test_closing_before_the_first_set_point_ends_at_once() -> None:
     assert bench.given == [None]
 
 
-@pytest.mark.parametrize("speeds", [False, True], ids=["places", "speeds"])
+@for_each("speeds", [False, True])
 def test_braking_takes_as_long_on_a_slow_connection(speeds: bool) -> None:
     numbers = []
     for passed in (1, 5):

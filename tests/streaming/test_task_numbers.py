@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-import pytest
+from for_each import for_each
 from hypothesis import example, given
 from hypothesis import strategies as st
 
@@ -95,7 +95,7 @@ def test_nothing_else_is_taken_for_one(step: int, doings: list[str]) -> None:
     assert stopped_at([*doings, *[""] * 10], step) is None
 
 
-@pytest.mark.parametrize("step", [0, 1, 2, 7])
+@for_each("step", [0, 1, 2, 7])
 def test_alone_the_tasks_are_not_polled_for_long(step: int) -> None:
     """Each poll is a call in the tick of a set-point."""
     controller, numbers = Controller(step), TaskNumbers()

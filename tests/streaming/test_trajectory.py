@@ -9,6 +9,7 @@ import anyio
 import numpy as np
 import pytest
 import scipy
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
@@ -113,8 +114,8 @@ def test_poses_are_sampled_by_the_shortest_turn() -> None:
     np.testing.assert_allclose(turns, (2 * np.pi - 6.0) / 10, atol=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("trajectory", "times", "name"),
+@for_each(
+    "trajectory, times, name",
     [
         ([[0.0] * 5], [0.0], "trajectory"),
         ([], [], "trajectory"),
@@ -277,8 +278,8 @@ async def test_through_the_realtime_queue(controller: Controller) -> None:
     assert places[:, 0].max() == pytest.approx(HERE[0] + 0.1, abs=1e-4)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "name"),
+@for_each(
+    "arguments, name",
     [
         (([[0.0] * 6] * 2, [0.0]), "times"),
         (([[0.0] * 6] * 2, [-1.0, 0.5]), "times"),

@@ -7,6 +7,7 @@ import itertools
 import hypothesis.strategies as st
 import pytest
 from client.bench import Bench
+from for_each import for_each
 from hypothesis import given
 
 import aioduco
@@ -46,7 +47,7 @@ def test_the_steps_from_power_off() -> None:
     assert step(decide, seen(robot=6)) is BringUpStep.DONE
 
 
-@pytest.mark.parametrize("safety", [7, 8, 9])
+@for_each("safety", [7, 8, 9])
 def test_the_steps_after_a_safety_stop(safety: int) -> None:
     decide = BringUp()
     assert step(decide, seen(robot=6, safety=safety)) is BringUpStep.POWER_OFF
@@ -78,13 +79,13 @@ def test_to_bring_up_leaves_what_is_paused_after_a_wait_alone() -> None:
         step(decide, seen(program=3))
 
 
-@pytest.mark.parametrize("mode", [0, 1, 2])
+@for_each("mode", [0, 1, 2])
 def test_the_operation_mode_is_left_alone(mode: int) -> None:
     assert step(BringUp(), seen(mode=mode)) is BringUpStep.DONE
 
 
-@pytest.mark.parametrize(
-    ("states", "emergency_stop", "words"),
+@for_each(
+    "states, emergency_stop, words",
     [
         (seen(), True, "an emergency stop is pressed.*release the button"),
         (seen(safety=14), False, "fatal error: switch the cabinet off and on"),

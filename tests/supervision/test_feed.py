@@ -15,6 +15,7 @@ import anyio
 import numpy as np
 import pytest
 from client.bench import Bench
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 from wire.lanes import noted
@@ -80,7 +81,7 @@ def test_latest_is_the_newest(values: list[int]) -> None:
         buffer.take()
 
 
-@pytest.mark.parametrize(("policy", "size"), [("newest", 4), ("every", 0), ("every", 1.5)])
+@for_each("policy, size", [("newest", 4), ("every", 0), ("every", 1.5)])
 def test_bad_buffers_are_refused(policy: Policy, size: int) -> None:
     with pytest.raises(aioduco.ParameterError):
         Subscription[int](policy, size, OwnerLoop())

@@ -15,6 +15,7 @@ from typing import NoReturn
 
 import pytest
 from client.bench import HOME, Bench
+from for_each import for_each
 from hostile.programs import guard_of, running
 
 import aioduco
@@ -48,7 +49,7 @@ async def robot(bench: Bench) -> AsyncIterator[aioduco.Robot]:
         yield robot
 
 
-@pytest.mark.parametrize(
+@for_each(
     "message",
     [
         Watch(1, 2, "robot", 7003, None, 1.0, 3.0, 2.0),
@@ -64,7 +65,7 @@ def test_messages_survive_the_way(message: Message) -> None:
     assert unpack(pack(message)) == message
 
 
-@pytest.mark.parametrize("packet", [b"", b"{}", b"[]", b'["Nothing"]', b'["Rearm"]', b"\xff"])
+@for_each("packet", [b"", b"{}", b"[]", b'["Nothing"]', b'["Rearm"]', b"\xff"])
 def test_what_is_no_message_is_refused(packet: bytes) -> None:
     with pytest.raises(ValueError, match="no message"):
         unpack(packet)

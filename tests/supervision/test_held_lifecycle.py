@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import hypothesis.strategies as st
-import pytest
+from for_each import for_each
 from hypothesis import given
 
 from aioduco.models.enums import Outcome, TaskState
@@ -60,8 +60,7 @@ STORIES: dict[
 }
 
 
-@pytest.mark.cases(19)
-@pytest.mark.parametrize("story", STORIES)
+@for_each("story", STORIES)
 def test_how_it_ends(story: str) -> None:
     held, steps, outcome = STORIES[story]
     motion = running(held)

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import hypothesis.strategies as st
-import pytest
+from for_each import for_each
 from hypothesis import given
 
 from aioduco.models.enums import Outcome, TaskState
 from aioduco.supervision.task_state import IDLE_AGAIN_LIMIT, TaskLifecycle
 
 
-@pytest.mark.parametrize(
-    ("state", "outcome"),
+@for_each(
+    "state, outcome",
     [
         (TaskState.STOPPED, Outcome.STOPPED),
         (TaskState.FINISHED, Outcome.FINISHED),
@@ -49,7 +49,7 @@ def test_it_shows_its_state_and_its_end() -> None:
     assert repr(life) == "<TaskLifecycle FINISHED finished, successor none>"
 
 
-@pytest.mark.parametrize("late", list(TaskState))
+@for_each("late", list(TaskState))
 def test_an_end_is_final(late: TaskState) -> None:
     life = TaskLifecycle()
     life.observe(TaskState.FINISHED)
@@ -88,8 +88,7 @@ STORIES: dict[str, tuple[list[Callable[[TaskLifecycle], object]], Outcome | None
 }
 
 
-@pytest.mark.cases(9)
-@pytest.mark.parametrize("story", STORIES)
+@for_each("story", STORIES)
 def test_a_motion_that_was_interrupted_has_blended_or_not(story: str) -> None:
     steps, outcome = STORIES[story]
     life = TaskLifecycle(blends=True)

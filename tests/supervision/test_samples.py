@@ -7,6 +7,7 @@ import time
 
 import numpy as np
 import pytest
+from for_each import for_each
 
 from aioduco._wire import rpc
 from aioduco.errors import StaleState
@@ -46,7 +47,7 @@ def test_states_are_named_and_numbered() -> None:
     assert 0 <= first.age < 60
 
 
-@pytest.mark.parametrize("wire", [[], [6, 0, 5]])
+@for_each("wire", [[], [6, 0, 5]])
 def test_states_of_a_controller_that_is_starting(wire: list[int]) -> None:
     with pytest.raises(StaleState, match="still starting"):
         Samples().states(wire)
@@ -67,7 +68,7 @@ def test_status_is_frozen_and_what_was_not_sent_is_not_a_number() -> None:
         sample.error = 2  # type: ignore[misc]  # that it cannot be set is the point
 
 
-@pytest.mark.parametrize("field", ["jointActualPosition", "cartExpectPosition"])
+@for_each("field", ["jointActualPosition", "cartExpectPosition"])
 def test_status_without_positions_is_refused(field: str) -> None:
     wire = status()
     setattr(wire, field, [])

@@ -8,7 +8,7 @@ import re
 from dataclasses import MISSING, Field, fields, replace
 from typing import Any
 
-import pytest
+from for_each import for_each
 
 import aioduco
 import aioduco.sync
@@ -52,7 +52,7 @@ def test_connect_takes_the_settings_with_their_types_and_alone_has_their_default
         assert annotation == (f"{setting.type} | None" if made else setting.type), arg.arg
 
 
-@pytest.mark.parametrize("connect", [aioduco.connect, aioduco.sync.connect])
+@for_each("connect", [aioduco.connect, aioduco.sync.connect])
 def test_the_docstring_describes_each_setting(connect: Any) -> None:
     text = (inspect.getdoc(connect) or "").partition("Args:\n")[2].partition("\nReturns:\n")[0]
     described = re.findall(r"^    (\w+): ", text, re.MULTILINE)

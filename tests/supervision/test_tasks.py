@@ -10,6 +10,7 @@ import anyio
 import anyio.lowlevel
 import pytest
 from client.bench import HOME, POSE, Bench
+from for_each import for_each
 from interpreter import python
 
 import aioduco
@@ -262,9 +263,8 @@ async def test_a_motion_that_is_lost_sight_of_raises_when_the_arm_stands(
     assert not bench.moving()
 
 
-@pytest.mark.cases(10)
-@pytest.mark.parametrize(
-    ("before", "after", "added"),
+@for_each(
+    "before, after, added",
     [
         ((), ("a",), ("a",)),
         (("a",), ("a", "b"), ("b",)),

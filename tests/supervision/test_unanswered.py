@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import pytest
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -51,9 +51,7 @@ def test_an_answer_makes_a_new_stop_certain() -> None:
     assert one.step(5.2) is NextStep.DONE
 
 
-@pytest.mark.parametrize(
-    ("outage", "watch"), [(0.01, MIN_WATCH), (1.0, 1.0), (3.2, 3.2), (30.0, MAX_WATCH)]
-)
+@for_each("outage, watch", [(0.01, MIN_WATCH), (1.0, 1.0), (3.2, 3.2), (30.0, MAX_WATCH)])
 def test_after_an_outage_the_arm_is_watched_as_long_as_it_took(outage: float, watch: float) -> None:
     one = motion()
     one.connection_reset(0.0)
@@ -82,7 +80,7 @@ def test_the_last_look_begins_after_the_watch() -> None:
     assert one.step(2.1) is NextStep.LOOK
 
 
-@pytest.mark.parametrize("more", [0, 1, 5])
+@for_each("more", [0, 1, 5])
 def test_an_arm_that_stood_for_two_looks_or_more_and_moves_is_stopped_at_once(more: int) -> None:
     """It is not one that still brakes: the motion has come, however soon after the stop."""
     one = motion()
@@ -150,7 +148,7 @@ def test_it_is_given_up_when_what_was_tried_after_the_time_has_failed() -> None:
     assert one.step(UNTIL + 0.2) is NextStep.GIVE_UP
 
 
-@pytest.mark.parametrize("stops", [True, False])
+@for_each("stops", [True, False])
 def test_a_program_that_was_suspended_looks_before_it_gives_up(stops: bool) -> None:
     one = UnansweredMotion.none(0.0, 5.0, stops=stops)
     look(one, 0.1, moving=True)
@@ -161,7 +159,7 @@ def test_a_program_that_was_suspended_looks_before_it_gives_up(stops: bool) -> N
     assert one.step(1000.01) is NextStep.DONE
 
 
-@pytest.mark.parametrize("late", [5.0, 6.0])
+@for_each("late", [5.0, 6.0])
 def test_an_arm_that_still_moves_after_the_time_is_given_up(late: float) -> None:
     one = UnansweredMotion.none(0.0, 5.0, stops=False)
     look(one, 4.9, moving=True)

@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from cli_runner import CliRunner
+from for_each import for_each
 
 from aioduco.cli.app import app
 from aioduco.sim import Simulator
@@ -89,7 +90,7 @@ def test_numbers_of_devices_are_kept_if_asked_for(tmp_path: Path) -> None:
     assert "numbers of devices" in files["README.txt"]
 
 
-@pytest.mark.parametrize(("planted", "secret"), SECRETS.items())
+@for_each("planted, secret", SECRETS.items())
 def test_each_kind_is_found_alone(planted: str, secret: str) -> None:
     known: Any = [("factory-arm-7", "<controller>"), ("D5-0042", "<serial number>")]
     assert secret not in Redaction(known).text(planted)

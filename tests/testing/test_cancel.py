@@ -7,13 +7,14 @@ import asyncio
 import anyio
 import anyio.lowlevel
 import pytest
+from for_each import for_each
 
 from aioduco.testing.cancel import Cancelled, How, cancel_at, cancel_at_every_await
 
 HOWS: list[How] = ["scope", "task"]
 
 
-@pytest.mark.parametrize("how", HOWS)
+@for_each("how", HOWS)
 async def test_every_await_is_struck_once(how: How) -> None:
     reached: list[str] = []
     runs: list[Cancelled] = []
@@ -50,7 +51,7 @@ async def test_a_shield_keeps_a_scope_away_but_not_a_task() -> None:
     assert run.ended == "cancelled"
 
 
-@pytest.mark.parametrize("how", HOWS)
+@for_each("how", HOWS)
 async def test_what_the_program_raises_is_kept(how: How) -> None:
     async def program() -> None:
         try:
@@ -89,7 +90,7 @@ async def test_a_cancellation_from_outside_is_not_swallowed() -> None:
         assert scope.cancelled_caught
 
 
-@pytest.mark.parametrize("how", HOWS)
+@for_each("how", HOWS)
 async def test_what_was_awaited_is_cancelled_too(how: How) -> None:
     """A future that the program awaited must be seen as cancelled by whoever would resolve it."""
     future: asyncio.Future[None] = asyncio.get_running_loop().create_future()

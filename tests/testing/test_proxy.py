@@ -15,6 +15,7 @@ from typing import Any
 
 import anyio
 import pytest
+from for_each import for_each
 
 from aioduco._wire.messages import Message, MessageType, application_error
 from aioduco.errors import ParameterError
@@ -475,7 +476,7 @@ WRONG: list[tuple[Any, ...]] = [
 ]
 
 
-@pytest.mark.parametrize("wrong", WRONG)
+@for_each("wrong", WRONG)
 def test_a_fault_that_would_do_nothing_is_refused(wrong: tuple[Any, ...]) -> None:
     make, *arguments = wrong
     with pytest.raises(ParameterError):

@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from typing import Any
 
 import pytest
+from for_each import for_each
 
 from aioduco._wire import codec, deadline_socket, idl, nonblocking, rpc
 from aioduco._wire.connection import Connection
@@ -57,7 +58,7 @@ def connected(*scripts: Callable[[Peer], None]) -> Iterator[tuple[Connection, Sc
 # What a call returns
 
 
-@pytest.mark.parametrize(
+@for_each(
     "name", ["getRobotStatus", "get_files_list", "get_last_error", "get_robot_version", "stop"]
 )
 def test_a_call_returns_what_the_controller_answers(name: str) -> None:
@@ -181,7 +182,7 @@ def test_a_refused_port() -> None:
     assert connection.state is ConnectionState.POISONED
 
 
-@pytest.mark.parametrize("host", ["x" * 70, "a..b"])
+@for_each("host", ["x" * 70, "a..b"])
 def test_a_host_that_cannot_be(host: str) -> None:
     with pytest.raises(ConnectError, match=r"unknown host|must be a name or an address"):
         Connection(Endpoint(host, 7003)).open()
@@ -246,8 +247,8 @@ def test_a_connection_is_opened_once() -> None:
 # Deadlines
 
 
-@pytest.mark.parametrize(
-    ("name", "args", "error"),
+@for_each(
+    "name, args, error",
     [
         ("get_tcp_pose", (), CallTimeout),
         ("movej", ([0.0] * 6, 1.0, 1.0, 0.0, True, rpc.Op(), False), OutcomeUnknown),
@@ -348,8 +349,7 @@ def test_a_call_is_sent_before_another_thread_can_run(monkeypatch: pytest.Monkey
 
 
 @pytest.mark.linux("reads that keep the interpreter's lock")
-@pytest.mark.cases(100)
-@pytest.mark.parametrize("how", ["silence", "bytes", "end", "reset"])
+@for_each("how", ["silence", "bytes", "end", "reset"])
 def test_what_a_socket_has_to_read(how: str) -> None:
     with (
         socket.create_server(("127.0.0.1", 0)) as listener,
@@ -450,7 +450,7 @@ def test_an_interrupt_in_mid_call_poisons(monkeypatch: pytest.MonkeyPatch) -> No
         server.wait_finished(1)
 
 
-@pytest.mark.parametrize("state", ["new", "closed", "poisoned"])
+@for_each("state", ["new", "closed", "poisoned"])
 def test_a_connection_that_is_not_open_sends_nothing(state: str) -> None:
     with connected(silent) as (connection, server):
         if state == "new":

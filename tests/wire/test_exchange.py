@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import pytest
+from for_each import for_each
 
 from aioduco._wire import codec, idl
 from aioduco._wire.messages import Inbox
@@ -14,7 +14,7 @@ NAMES = ("get_tcp_pose", "get_robot_version", "robotmoving")
 NOTHING = b"\x00"
 
 
-@pytest.mark.parametrize("size", [1, 7, 10_000])
+@for_each("size", [1, 7, 10_000])
 def test_answers_to_a_batch_are_told_apart_in_one_piece_and_in_many(size: int) -> None:
     exchange = codec.Exchange(lambda: 1.5)
     further = [(FUNCTIONS[name], NOTHING) for name in NAMES[1:]]

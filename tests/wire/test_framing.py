@@ -6,6 +6,7 @@ import struct
 from typing import Any
 
 import pytest
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 from thriftpy2.thrift import TType
@@ -133,7 +134,7 @@ CLAIMS = {
 }
 
 
-@pytest.mark.parametrize("claim", CLAIMS)
+@for_each("claim", CLAIMS)
 def test_what_a_peer_claims_is_neither_waited_nor_allocated_for(claim: str) -> None:
     name, body = CLAIMS[claim]
     with pytest.raises(Malformed):
@@ -165,9 +166,8 @@ def test_fields_left_out_have_their_zero_values() -> None:
     assert value_of("getRobotStatus", body) == rpc.RobotStatus(robotState=6)
 
 
-@pytest.mark.cases(6)
-@pytest.mark.parametrize(
-    ("data", "what"),
+@for_each(
+    "data, what",
     [
         (b"H", "no reply"),
         (b"HTTP/1.1 400 Bad Request\r\n\r\n", "no reply"),

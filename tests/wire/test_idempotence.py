@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from itertools import product
 from pathlib import Path
 
-import pytest
+from for_each import for_each
 
 from aioduco._wire import idl
 from aioduco._wire.failures import may_send_again
@@ -27,8 +28,9 @@ def test_every_function_has_the_kind_that_was_thought_about() -> None:
     assert {name for name, its in kinds.items() if its is CallKind.STOP} == {"stop"}
 
 
-@pytest.mark.parametrize("progress", Progress)
-@pytest.mark.parametrize("name", ["movej2", "get_tcp_pose", "stop", "read_raw_data_485"])
+@for_each(
+    "progress, name", product(Progress, ["movej2", "get_tcp_pose", "stop", "read_raw_data_485"])
+)
 def test_a_call_is_sent_again_only_if_the_first_did_nothing_more(
     name: str, progress: Progress
 ) -> None:

@@ -10,6 +10,7 @@ from typing import Any
 
 import anyio
 import pytest
+from for_each import for_each
 
 from aioduco._process.reporting import reporter
 from aioduco._wire import channel as lane_channel
@@ -94,7 +95,7 @@ async def test_calls_on_one_connection_keep_their_order() -> None:
         assert server.connections == 1
 
 
-@pytest.mark.parametrize(("hangs", "said"), [(False, "refused"), (True, "no answer in time")])
+@for_each("hangs, said", [(False, "refused"), (True, "no answer in time")])
 async def test_a_lane_that_cannot_open_leaves_nothing(hangs: bool, said: str) -> None:
     with socket.create_server(("127.0.0.1", 0)) as closed, black_hole() as hole:
         address = hole if hangs else closed.getsockname()

@@ -8,6 +8,7 @@ import struct
 from typing import Any
 
 import pytest
+from for_each import for_each
 from hypothesis import event, given
 from hypothesis import strategies as st
 from thriftpy2.protocol import TCyBinaryProtocol
@@ -147,7 +148,7 @@ def test_nearly_all_functions_are_read_at_once() -> None:
     assert len(left) < len(FUNCTIONS) / 10
 
 
-@pytest.mark.parametrize(("length", "most"), [(5000, 0), (100, 4)])
+@for_each("length, most", [(5000, 0), (100, 4)])
 def test_layouts_are_few_and_short(length: int, most: int) -> None:
     layouts, function = Layouts(), FUNCTIONS["read_raw_data_485"]
     call = call_of(function.name)

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import pytest
+from for_each import for_each
 
 from aioduco._wire.connection import Connection
 from aioduco._wire.deadline_socket import DeadlineSocket
@@ -65,7 +66,7 @@ def drained(accepted: socket.socket) -> bool:
 GIVEN_UP: list[Callable[[DeadlineSocket], None]] = [DeadlineSocket.shutdown, DeadlineSocket.discard]
 
 
-@pytest.mark.parametrize("give_up", GIVEN_UP)
+@for_each("give_up", GIVEN_UP)
 def test_what_is_undelivered_is_forgotten(give_up: Callable[[DeadlineSocket], None]) -> None:
     with peer() as listener:
         stream, accepted = stuck(listener)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hypothesis.strategies as st
 import pytest
+from for_each import for_each
 from hypothesis import given
 
 from aioduco import ModbusGarbled, ModbusRefused
@@ -21,8 +22,8 @@ def test_the_checksum_of_the_standard() -> None:
     assert frames.crc16(b"123456789") == 0x4B37  # the check value of CRC-16/MODBUS
 
 
-@pytest.mark.parametrize(
-    ("request_", "frame"),
+@for_each(
+    "request_, frame",
     [
         # application protocol 1.1b3, 6.3, 6.4, 6.6 and 6.12: function and what follows
         (frames.read(17, 0x006B, 3, FunctionCode.READ_HOLDING), "11 03 00 6b 00 03"),
@@ -30,7 +31,6 @@ def test_the_checksum_of_the_standard() -> None:
         (frames.write_one(17, 0x0001, 0x0003), "11 06 00 01 00 03"),
         (frames.write(17, 0x0001, [0x000A, 0x0102]), "11 10 00 01 00 02 04 00 0a 01 02"),
     ],
-    ids=lambda one: one if isinstance(one, str) else "",
 )
 def test_a_request(request_: Request, frame: str) -> None:
     assert request_.frame[:-2] == bytes.fromhex(frame)
@@ -59,7 +59,7 @@ def test_no_flipped_bit_passes(unit: int, address: int, value: int, at: int) -> 
         request.answer(bytes(flipped))
 
 
-@pytest.mark.parametrize(("code", "says"), [(2, "this register"), (77, "the device's own")])
+@for_each("code, says", [(2, "this register"), (77, "the device's own")])
 def test_an_exception(code: int, says: str) -> None:
     request = frames.write(9, 0, [1, 2, 3])
     answer = frames.framed(bytes((9, 0x90, code)))
@@ -69,8 +69,8 @@ def test_an_exception(code: int, says: str) -> None:
     assert (caught.value.function, caught.value.code) == (0x10, code)
 
 
-@pytest.mark.parametrize(
-    ("answer", "says"),
+@for_each(
+    "answer, says",
     [
         (frames.framed(b"\x02\x03\x02\x00\x01"), "begins with 2"),
         (frames.framed(b"\x01\x04\x02\x00\x01"), "another function"),

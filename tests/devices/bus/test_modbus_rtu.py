@@ -6,6 +6,7 @@ import inspect
 
 import anyio
 import pytest
+from for_each import for_each
 
 import aioduco
 from aioduco.devices.bus import ModbusRtu, Port
@@ -118,8 +119,8 @@ async def test_one_request_at_a_time() -> None:
     assert sorted(device.written) == [(number, number) for number in range(10)]
 
 
-@pytest.mark.parametrize(
-    ("method", "args", "name"),
+@for_each(
+    "method, args, name",
     [
         ("read_registers", (-1,), "address"),
         ("read_registers", (0, 126), "count"),

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import cv2
 import numpy as np
 import pytest
+from for_each import for_each
 from interpreter import python
 from numpy.typing import NDArray
 
@@ -90,14 +92,16 @@ def with_half_turns(tilts: Any) -> list[Any]:
     return [rotvec_from_matrix(one[:3, :3]) for one in made]
 
 
-@pytest.mark.parametrize("seed", range(5))
-@pytest.mark.parametrize(
-    "tilts",
-    [
-        [(0, 0), (0.35, 0), (0, 0.35)],
-        [(-0.4, 0), (-0.2, 0), (0.2, 0), (0, 0.4)],
-        [(np.pi, 0), (0.3, 0), (0, 0.3)],
-    ],
+@for_each(
+    "seed, tilts",
+    product(
+        range(5),
+        [
+            [(0, 0), (0.35, 0), (0, 0.35)],
+            [(-0.4, 0), (-0.2, 0), (0.2, 0), (0, 0.4)],
+            [(np.pi, 0), (0.3, 0), (0, 0.3)],
+        ],
+    ),
 )
 def test_half_turns_of_the_wrist_are_views_like_others(tilts: Any, seed: int) -> None:
     flanges, camera, board, seen = views(np.random.default_rng(seed), with_half_turns(tilts))
@@ -263,23 +267,20 @@ def test_a_board_is_found_with_any_form_of_a_lens_and_of_a_picture(distortion: A
         find_board(CameraFrame(image, None, 0.0, lens), (6, 5))  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [
+@for_each("name, value", [
         *((name, value) for name in ("width", "height", "fx", "fy", "cx", "cy")
           for value in (np.nan, np.inf, "a", None, np.zeros(2))),
         *((name, value) for name in ("width", "height") for value in (0, -1, 1.5)),
         *(("distortion", value) for value in ((0.1,), np.zeros((2, 3)), (0, 0, 0, np.nan), "none")),
         *(("distortion", value) for value in ([[0, 0], [0, 0, 0]], 4 * [np.timedelta64(1, "ns")])),
-    ],
-)  # fmt: skip
+    ])  # fmt: skip
 def test_intrinsics_that_are_none_are_refused(name: str, value: Any) -> None:
     good = {"width": 64, "height": 48, "fx": 50.0, "fy": 52.0, "cx": 31.5, "cy": 23.5}
     with pytest.raises(ParameterError, match=name):
         Intrinsics(**{**good, name: value})
 
 
-@pytest.mark.parametrize(
+@for_each(
     "size",
     [
         (2, 5, 0.03),

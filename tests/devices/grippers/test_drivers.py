@@ -9,6 +9,7 @@ from typing import Any
 import anyio
 import pytest
 from example_modules import example
+from for_each import for_each
 
 from aioduco import ParameterError, errors
 from aioduco.devices.bus import ModbusRtu, Port
@@ -332,7 +333,7 @@ async def test_a_force_that_cannot_be_set_is_the_largest(make: Any) -> None:
     assert {address: peer.registers[address] for address in largest} == largest
 
 
-@pytest.mark.parametrize(
+@for_each(
     "model", ["parallel", "vacuum", "robotiq_2f58", 3, math.nan, ["dh_pge"], GRIPPERS["vacuum"]]
 )
 def test_a_model_of_another_make_is_refused(model: Any) -> None:

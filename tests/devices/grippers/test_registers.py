@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from for_each import for_each
 
 from aioduco.devices.bus import frames
 from aioduco.devices.grippers import dh_registers as dh
@@ -19,7 +20,7 @@ ROBOTIQ_REQUESTS = [
 ]
 
 
-@pytest.mark.parametrize(("words", "printed"), ROBOTIQ_REQUESTS)
+@for_each("words, printed", ROBOTIQ_REQUESTS)
 def test_robotiq_requests(words: list[int], printed: str) -> None:
     request = frames.write(9, robotiq.COMMAND, words)
     assert request.frame == bytes.fromhex(printed)
@@ -34,7 +35,7 @@ ROBOTIQ_ANSWERS = [
 ]
 
 
-@pytest.mark.parametrize(("printed", "grip", "requested", "position", "current"), ROBOTIQ_ANSWERS)
+@for_each("printed, grip, requested, position, current", ROBOTIQ_ANSWERS)
 def test_robotiq_answers(
     printed: str, grip: RobotiqGrip, requested: int, position: int, current: float
 ) -> None:
@@ -48,8 +49,8 @@ def test_robotiq_answers(
     assert status.current == pytest.approx(current)
 
 
-@pytest.mark.parametrize(
-    ("printed", "activation"),
+@for_each(
+    "printed, activation",
     [("09 03 02 11 00 55 D5", Activation.ACTIVATING), ("09 03 02 31 00 4C 15", Activation.ACTIVE)],
 )
 def test_robotiq_activation(printed: str, activation: Activation) -> None:
@@ -75,7 +76,7 @@ DH_REQUESTS = [
 ]
 
 
-@pytest.mark.parametrize(("address", "value", "printed"), DH_REQUESTS)
+@for_each("address, value, printed", DH_REQUESTS)
 def test_dh_requests(address: int, value: int, printed: str) -> None:
     request = frames.write_one(1, address, value)
     assert request.frame == bytes.fromhex(printed)
@@ -94,15 +95,15 @@ def test_dh_answers() -> None:
         dh.state((1, 7, 400))
 
 
-@pytest.mark.parametrize(
-    ("register", "position"),
+@for_each(
+    "register, position",
     [(0, 0), (1000, 1000), (1003, 1000), (1100, 1000), (0xFFFF, 0), (0xFFF0, 0)],
 )
 def test_a_position_beyond_an_end_of_the_stroke_is_that_end(register: int, position: int) -> None:
     assert dh.state((1, 1, register)).position == position
 
 
-@pytest.mark.parametrize("register", [1101, 5000, 0x7FFF, 0x8000, 0xFF00])
+@for_each("register", [1101, 5000, 0x7FFF, 0x8000, 0xFF00])
 def test_a_register_that_is_no_position_is_refused(register: int) -> None:
     with pytest.raises(ValueError, match="is no position"):
         dh.state((1, 1, register))

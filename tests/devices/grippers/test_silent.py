@@ -10,6 +10,7 @@ from typing import Any
 import anyio
 import pytest
 from client.bench import HOME, Bench
+from for_each import for_each
 
 import aioduco
 import aioduco.sync
@@ -72,8 +73,8 @@ def lose_power(hand: Hand) -> None:
     hand.holding = None
 
 
-@pytest.mark.parametrize(
-    ("fall_silent", "why"),
+@for_each(
+    "fall_silent, why",
     [
         (answer_nothing, "reported nothing for .* did not answer"),
         (fail, "reported nothing for .* own fault"),
@@ -226,8 +227,8 @@ async def test_a_sample_from_before_a_movement_does_not_say_how_it_ended() -> No
                 await gripper.close()
 
 
-@pytest.mark.parametrize(
-    ("name", "value"),
+@for_each(
+    "name, value",
     [
         ("name", 3),
         ("title", ""),
@@ -245,7 +246,7 @@ def test_the_figures_of_a_gripper_of_ones_own_are_checked(name: str, value: Any)
         Hand(model=PARALLEL._replace(**changed))
 
 
-@pytest.mark.parametrize("model", ["parallel", None, 3])
+@for_each("model", ["parallel", None, 3])
 def test_the_model_of_a_gripper_is_a_model(model: Any) -> None:
     with pytest.raises(errors.ParameterError, match="model is"):
         Hand(model=model)

@@ -11,6 +11,7 @@ import anyio
 import numpy as np
 import pytest
 from example_modules import example
+from for_each import for_each
 
 import aioduco
 import aioduco.sync
@@ -204,7 +205,7 @@ async def test_a_cup_that_finds_nothing() -> None:
         assert not sim.signals.standard_out[1]
 
 
-@pytest.mark.parametrize("wrong", ["robotiq_2f85", None])
+@for_each("wrong", ["robotiq_2f85", None])
 def test_what_makes_no_driver_is_refused(wrong: Any) -> None:
     robot = aioduco.sync.connect("127.0.0.1", 1)
     with pytest.raises(errors.ParameterError, match="what makes the driver of a robot"):

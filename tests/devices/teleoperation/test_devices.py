@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from for_each import for_each
 
 from aioduco.devices.teleoperation import (
     GamepadDevice,
@@ -66,7 +67,7 @@ def test_each_of_the_six_directions_has_two_keys() -> None:
     )
 
 
-@pytest.mark.parametrize("data", [b" ", b"x", b"\x1b[A", b"\x1bOd", b"\x1b[1;5D", b"\xff"])
+@for_each("data", [b" ", b"x", b"\x1b[A", b"\x1bOd", b"\x1b[1;5D", b"\xff"])
 def test_any_other_key_stands_and_letters_of_arrows_are_no_keys(data: bytes) -> None:
     keys = Keyboard()
     keys.feed(b"w", 1.0)
@@ -76,7 +77,7 @@ def test_any_other_key_stands_and_letters_of_arrows_are_no_keys(data: bytes) -> 
     assert keys.reading(1.2).held
 
 
-@pytest.mark.parametrize("data", [b"q", b"Q", b"\x04", b""])
+@for_each("data", [b"q", b"Q", b"\x04", b""])
 def test_q_and_the_end_of_the_terminal_end_it(data: bytes) -> None:
     keys = Keyboard()
     keys.feed(b"w", 1.0)
@@ -116,7 +117,7 @@ def test_a_stick_at_rest_says_nothing_and_events_may_come_in_parts() -> None:
     assert pad.reading(0.0) == Reading((0, 0, 1, 0, 0, 0), held=True, pressed=frozenset({0}))
 
 
-@pytest.mark.parametrize("data", [event(1, 7, 1), b""])
+@for_each("data", [event(1, 7, 1), b""])
 def test_start_or_an_unplugged_gamepad_ends_it(data: bytes) -> None:
     pad = Gamepad()
     pad.feed(event(1, 5, 1), 0.0)
@@ -224,7 +225,7 @@ def test_speeds_are_scaled_and_zero_without_the_dead_man() -> None:
         TeleopScale(joint_speed=9.0)
 
 
-@pytest.mark.parametrize("in_tool", [False, True])
+@for_each("in_tool", [False, True])
 def test_a_joint_target_leads_the_flange_along_the_twist(in_tool: bool) -> None:
     model = arm("gcr5_910")
     target = JointTarget(model, damping=1e-4)
@@ -366,7 +367,7 @@ def test_a_device_is_read_in_a_program_with_thousands_of_descriptors() -> None:
         os.close(writes)
 
 
-@pytest.mark.parametrize("time", [math.nan, math.inf, 0.0, -1.0, 61.0, "1", None, True])
+@for_each("time", [math.nan, math.inf, 0.0, -1.0, 61.0, "1", None, True])
 def test_no_key_and_no_cap_counts_as_held_for_long(time: Any) -> None:
     for make in (
         lambda: Keyboard(first=time),
@@ -377,14 +378,14 @@ def test_no_key_and_no_cap_counts_as_held_for_long(time: Any) -> None:
             make()
 
 
-@pytest.mark.parametrize("width", [math.nan, -0.1, 1.0, "1", None])
+@for_each("width", [math.nan, -0.1, 1.0, "1", None])
 def test_a_width_at_rest_is_a_share(width: Any) -> None:
     for make in (lambda: SpaceMouse(width=width), lambda: Gamepad(width=width)):
         with pytest.raises(ParameterError, match="width"):
             make()
 
 
-@pytest.mark.parametrize("wrong", [[math.nan] * 6, [0.0] * 5, "000000", None, [1e400] * 6])
+@for_each("wrong", [[math.nan] * 6, [0.0] * 5, "000000", None, [1e400] * 6])
 def test_a_target_of_joints_keeps_its_place_when_a_speed_is_no_number(wrong: Any) -> None:
     with pytest.raises(ParameterError, match="an Arm"):
         JointTarget("gcr5_910")  # type: ignore[arg-type]  # the wrong type is the point

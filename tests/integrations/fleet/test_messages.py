@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -70,7 +71,7 @@ def test_whatever_comes_as_a_stop_stops_nothing_less_than_it_names(data: bytes) 
     assert StopReport.decode(report.encode()) == report
 
 
-@pytest.mark.parametrize(
+@for_each(
     "data",
     [
         b"[" * 100_000,
@@ -143,8 +144,8 @@ def test_a_report_says_that_the_heartbeat_is_withheld() -> None:
     assert state.report(0.0).arms[0] == ArmReport("left", "up")
 
 
-@pytest.mark.parametrize(
-    ("table", "said"),
+@for_each(
+    "table, said",
     [
         ({}, "lacks name"),
         ({"fleet": {"name": "a/b"}}, "letters, digits"),
@@ -187,7 +188,7 @@ def test_a_file_says_nothing_of_the_network_it_listens_on_loopback() -> None:
     assert settings.arms[0].heartbeat == 1.0
 
 
-@pytest.mark.parametrize(
+@for_each(
     "given",
     [
         *({"listen": "tcp/127.0.0.1:7447"}, {"connect": "tcp/router:7447"}, {"expect": "left"}),
@@ -205,7 +206,7 @@ def test_settings_made_of_lists_are_those_of_tuples() -> None:
     assert hash(settings) == hash(FleetSettings("hall", expect=("cell",), arms=(arm,)))
 
 
-@pytest.mark.parametrize("make", [FleetClient, FleetGateway])
+@for_each("make", [FleetClient, FleetGateway])
 def test_the_name_of_a_file_is_no_settings(make: Any) -> None:
     with pytest.raises(FleetFileError, match=r"FleetSettings\.read"):
         make("fleet.toml")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import anyio
 import pytest
+from for_each import for_each
 from interpreter import python
 from opentelemetry.sdk.metrics import MeterProvider
 from opentelemetry.sdk.metrics.export import InMemoryMetricReader
@@ -111,7 +112,7 @@ async def test_what_the_program_asks_for_is_in_its_own_span(
     assert parents("duco.get_noneblock_taskstate") == {None}
 
 
-@pytest.mark.parametrize("lanes", [("fed",), ("heartbeat",), "feed", None, 3])
+@for_each("lanes", [("fed",), ("heartbeat",), "feed", None, 3])
 def test_a_lane_that_is_none_is_refused(lanes: Any) -> None:
     with pytest.raises(aioduco.ParameterError, match="without_lanes is"):
         Backend().telemetry(without_lanes=lanes)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hmac
 
 import pytest
+from for_each import for_each
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
@@ -38,7 +39,7 @@ def commanded(page: int = 1) -> ControlLease:
     return made
 
 
-@pytest.mark.parametrize("token", ["", "correct horse", TOKEN + " ", "König", "\ud800"])
+@for_each("token", ["", "correct horse", TOKEN + " ", "König", "\ud800"])
 def test_a_wrong_token_gets_nothing_and_is_shown_nowhere(token: str) -> None:
     made = lease()
     refused = made.take(1, token, 0.0)
@@ -90,8 +91,8 @@ def test_one_page_commands_at_a_time() -> None:
     assert made.take(2, TOKEN, 0.0) == BeginLease(2)
 
 
-@pytest.mark.parametrize(
-    ("beats", "at", "ends"),
+@for_each(
+    "beats, at, ends",
     [
         # (number of seconds at which what the page saw was sent, and at which it says so)
         ([], 0.4, False),

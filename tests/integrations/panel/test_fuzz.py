@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 
 import pytest
+from for_each import for_each
 from hypothesis import example, given
 from hypothesis import strategies as st
 
@@ -65,8 +66,7 @@ def test_whatever_comes_is_a_request_or_is_refused(data: str | bytes) -> None:
     assert (ask == "stop") == isinstance(request, PageStop)
 
 
-@pytest.mark.parametrize("deep", [10, 300, 500, 700, 900, 940, 960, 980, 1000, LONGEST // 2 - 20])
-@pytest.mark.cases(10)
+@for_each("deep", [10, 300, 500, 700, 900, 940, 960, 980, 1000, LONGEST // 2 - 20])
 def test_what_is_nested_however_deeply_is_refused(deep: int) -> None:
     with pytest.raises(ParameterError):
         page_request(f'{{"ask": {"[" * deep}{"]" * deep}}}')

@@ -33,9 +33,7 @@ SIX = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
 JOG = {"kind": "jog", "axis": 2, "direction": -1, "percent": 10}
 
 
-@pytest.mark.parametrize(
-    ("message", "request_"),
-    [
+@for_each("message, request_", [
         ({"ask": "stop"}, PageStop()),
         ({"ask": "take", "token": "t"}, TakeControl("t")),
         ({"ask": "beat", "seen": 3, "down": True}, PageBeat(3, True)),
@@ -68,8 +66,7 @@ JOG = {"kind": "jog", "axis": 2, "direction": -1, "percent": 10}
             {"ask": "press", "seen": 7, "motion": {"kind": "line", "to": SIX, "percent": 1}},
             Press(LineMotion(tuple(SIX), 0.01), 7),
         ),
-    ],
-)  # fmt: skip
+    ])  # fmt: skip
 def test_a_message_becomes_a_request(message: dict[str, Any], request_: PageRequest) -> None:
     assert page_request(json.dumps(message)) == request_
 

@@ -12,6 +12,7 @@ from typing import Any
 import anyio
 import numpy as np
 import pytest
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -462,7 +463,7 @@ async def test_an_arm_of_another_model_is_told(
     assert len(said) == (model == "gcr20_1100"), caplog.messages
 
 
-@pytest.mark.parametrize("wrong", [{"rate": 0.0}, {"feedback_rate": 51.0}, {"slow_rate": -1.0}])
+@for_each("wrong", [{"rate": 0.0}, {"feedback_rate": 51.0}, {"slow_rate": -1.0}])
 def test_settings_are_checked(wrong: dict[str, float]) -> None:
     with pytest.raises(ParameterError, match="Hz"):
         NodeSettings(host="127.0.0.1", **wrong)  # type: ignore[arg-type]  # one of several floats

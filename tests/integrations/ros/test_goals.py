@@ -7,6 +7,7 @@ import math
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import replace
+from itertools import product
 from types import SimpleNamespace
 from typing import Any
 
@@ -14,6 +15,7 @@ import anyio
 import anyio.lowlevel
 import numpy as np
 import pytest
+from for_each import for_each
 from hypothesis import example, given
 from hypothesis import strategies as st
 
@@ -54,8 +56,7 @@ def check(given_goal: TrajectoryGoal) -> CheckedGoal:
     return check_goal(given_goal, PROFILE, RULES, NOW)
 
 
-@pytest.mark.cases(100)
-@pytest.mark.parametrize("name", WRONG)
+@for_each("name", WRONG)
 def test_a_wrong_goal_has_its_code(name: str) -> None:
     make, code = WRONG[name]
     with pytest.raises(GoalRefused, match="nothing was sent") as refused:
@@ -111,7 +112,7 @@ def test_tolerances_of_speeds_are_those_of_the_joints_that_have_one() -> None:
     assert some.goal_speed == (math.inf, 0.02, *(math.inf,) * 4)
 
 
-@pytest.mark.parametrize(("first", "far", "taken"), [(0, 0.01, True), (0, 0.05, False)])
+@for_each("first, far, taken", [(0, 0.01, True), (0, 0.05, False)])
 def test_a_trajectory_begins_where_the_arm_is(first: float, far: float, taken: bool) -> None:
     checked = check(goal())
     actual = [q + far for q in START]
@@ -132,8 +133,8 @@ def test_a_first_point_that_is_due_later_is_led_to() -> None:
         check_start(checked, [math.nan] * 6, PROFILE, RULES)
 
 
-@pytest.mark.parametrize(
-    ("error", "code"),
+@for_each(
+    "error, code",
     [
         (PathToleranceViolated("off"), -4),
         (GoalToleranceViolated("off"), -5),
@@ -146,7 +147,7 @@ def test_errors_on_the_way_have_a_code(error: DucoError, code: int) -> None:
     assert code_of(error) == code
 
 
-@pytest.mark.parametrize(
+@for_each(
     "wrong",
     [
         {"joint_names": ("a",) * 6},
@@ -372,8 +373,10 @@ async def test_a_goal_that_begins_elsewhere_disturbs_no_running_one() -> None:
         assert near.told == []
 
 
-@pytest.mark.parametrize("name", ["path", "goal", "goal_time", "start", "max_stamp_age"])
-@pytest.mark.parametrize("value", [math.nan, -0.1, math.inf])
+@for_each(
+    "name, value",
+    product(["path", "goal", "goal_time", "start", "max_stamp_age"], [math.nan, -0.1, math.inf]),
+)
 def test_rules_are_numbers(name: str, value: float) -> None:
     given_: Any = {name: value}
     with pytest.raises(ParameterError, match=name):

@@ -12,6 +12,7 @@ from typing import Any
 import anyio
 import numpy as np
 import pytest
+from for_each import for_each
 
 from aioduco.errors import ParameterError
 from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings
@@ -156,8 +157,8 @@ async def test_commands_may_hold_the_arm(sim: Simulator) -> None:
         await eventually_async(lambda: node.commands.following)
 
 
-@pytest.mark.parametrize(
-    ("names", "positions"),
+@for_each(
+    "names, positions",
     [
         (NAMES[:5], START[:5]),
         (NAMES, START[:5]),
@@ -190,16 +191,14 @@ def test_parameters() -> None:
         settings_of({"host": "a", "path_tolerance": -1.0})
 
 
-@pytest.mark.parametrize("wrong", ["left arm", "1_", "_", "l\n", "é"])
+@for_each("wrong", ["left arm", "1_", "_", "l\n", "é"])
 def test_a_prefix_is_the_beginning_of_a_name_in_ros(wrong: str) -> None:
     assert NodeSettings(host="a", prefix="cell/left_").prefix == "cell/left_"
     with pytest.raises(ParameterError, match=r"^prefix is"):
         NodeSettings(host="a", prefix=wrong)
 
 
-@pytest.mark.parametrize(
-    "given", [{"hold_commands": True}, {"command_rate": 50.0}, {"command_timeout": 1.0}]
-)
+@for_each("given", [{"hold_commands": True}, {"command_rate": 50.0}, {"command_timeout": 1.0}])
 def test_a_driver_without_joint_commands_has_no_parameters_for_them(given: dict[str, Any]) -> None:
     assert settings_of({"host": "a", "rate": 50}, joint_commands=False).rate == 50.0
     with pytest.raises(ParameterError, match=r"must be one of host, .*, robot_ip") as refused:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -23,7 +24,7 @@ TRAJECTORY = JointTrajectory([HERE, HERE + WAY, HERE - WAY], [0.0, 1.0, 3.0])
 PATH = TRAJECTORY.curve(START)
 
 
-@pytest.mark.parametrize("factor", [1.0, 0.5, 0.01])
+@for_each("factor", [1.0, 0.5, 0.01])
 def test_a_whole_path_at_a_factor_of_its_speed(factor: float) -> None:
     part = whole_path(TRAJECTORY, factor)
     curve = part.trajectory.curve(START)

@@ -14,6 +14,7 @@ from xml.etree import ElementTree
 
 import pytest
 import yaml
+from for_each import for_each
 
 import aioduco
 from aioduco.cli.ros import _ROS2
@@ -84,7 +85,7 @@ def test_no_message_waits_for_the_log_of_ros() -> None:
     assert [name for name, text in texts.items() if "getLogger(__name__)" in text] == []
 
 
-@pytest.mark.parametrize("package", ["aioduco_driver", "aioduco_msgs"])
+@for_each("package", ["aioduco_driver", "aioduco_msgs"])
 def test_each_package_has_its_name(package: str) -> None:
     root = ElementTree.parse(PACKAGES / package / "package.xml").getroot()
     assert root.findtext("name") == package

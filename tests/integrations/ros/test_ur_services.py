@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from for_each import for_each
 
 from aioduco import RobotState
 from aioduco.errors import ConnectionLost
@@ -75,7 +76,7 @@ ASKED = SimpleNamespace(
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("name", TABLE)
+@for_each("name", TABLE)
 async def test_no_service_raises_without_a_connection(name: str) -> None:
     robot: Any = Lost()
     goals: Any = SimpleNamespace(busy=False, resume=lambda: False, stopped=lambda: None)

@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 from cli_runner import CliRunner
 from client.bench import Bench
+from for_each import for_each
 from numpy.typing import NDArray
 from patient import COMMAND_LINE, patient_queue
 
@@ -375,8 +376,8 @@ def test_play_keeps_to_an_envelope(tmp_path: Path) -> None:
     assert (ended.exit_code, "envelope" in ended.stderr) == (1, True), ended.output
 
 
-@pytest.mark.parametrize(
-    ("text", "said"),
+@for_each(
+    "text, said",
     [
         ("[[limit]", "TOML"),
         ("speed = 1", "speed"),

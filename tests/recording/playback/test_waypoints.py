@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 
 import pytest
+from for_each import for_each
 
 import aioduco
 from aioduco import Joints
@@ -63,8 +64,8 @@ def test_what_was_edited_stays_as_it_is_when_a_waypoint_is_added(tmp_path: Path)
     assert "degrees" in fresh.text
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "says"),
+@for_each(
+    "old, new, says",
     [
         ("blend_mm = 20", "blend_mm = -1", "line 10: waypoint 1, blend_mm: -1 mm is not within"),
         ("blend_mm = 20", "radius = 20", "line 10: waypoint 1, radius: it is not known"),

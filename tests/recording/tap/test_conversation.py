@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import pytest
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -81,8 +81,8 @@ def test_a_function_that_the_wire_does_not_have_has_its_bytes() -> None:
     assert (found.arguments, found.answer) == ({"body": "00"}, "080000000003e800")
 
 
-@pytest.mark.parametrize(
-    ("body", "error"), [(b"\x0b\x00\x00\x00\x00\x00\x01A\x00", "none"), (b"\0", "without a result")]
+@for_each(
+    "body, error", [(b"\x0b\x00\x00\x00\x00\x00\x01A\x00", "none"), (b"\0", "without a result")]
 )
 def test_an_answer_that_is_none_is_said(body: bytes, error: str) -> None:
     (found,) = items(

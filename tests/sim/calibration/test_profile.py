@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from for_each import for_each
 
 from aioduco._wire.rpc import Op
 from aioduco.errors import ParameterError
@@ -46,8 +47,8 @@ def test_a_file_is_read_and_written_alike(tmp_path: Path) -> None:
     assert ArmProfile.load(tmp_path / "again.toml") == profile
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "line", "what"),
+@for_each(
+    "old, new, line, what",
     [
         ('"gcr5_910"', '"ur5e"', 2, "model is 'ur5e', but must be one of gcr3_618"),
         ("single_precision = true", "single_precision = 1", 3, "true or false"),

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from for_each import for_each
 
 from aioduco.models.enums import RobotState
 from aioduco.sim.calibration.evidence import Motions, Reads, StateRead, TimedCall
@@ -73,7 +74,7 @@ def test_the_period_of_readings_is_found(period: float) -> None:
     assert low <= period <= high
 
 
-@pytest.mark.parametrize("period", [0.0, 0.003])
+@for_each("period", [0.0, 0.003])
 def test_a_period_shorter_than_the_reads_is_not_claimed(period: float) -> None:
     found = estimate_period([moving_reads(period, 0.003)])
     assert found.values == {}
@@ -111,7 +112,7 @@ def beats_until(end: float) -> tuple[tuple[TimedCall, float], ...]:
     return tuple((TimedCall("rpc_heartbeat", t, t + 0.001), 1.0) for t in times)
 
 
-@pytest.mark.parametrize("slack", [0.0, 0.5, 1.3])
+@for_each("slack", [0.0, 0.5, 1.3])
 def test_the_slack_of_a_heartbeat_that_lapsed_is_found(slack: float) -> None:
     found = estimate_slack([replace(empty(), motions=lapse(slack), beats=beats_until(5.0))])
     value, low, high = found.values["slack"]

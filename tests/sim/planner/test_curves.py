@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -105,7 +106,7 @@ def test_mode_2_keeps_the_orientation_to_the_tangent() -> None:
     assert arc.turning == pytest.approx(3.5)
 
 
-@pytest.mark.parametrize("mode", [1, 2])
+@for_each("mode", [1, 2])
 def test_a_full_circle_comes_back_the_way_it_set_out(mode: int) -> None:
     start = on_circle(0.0)
     arc = arc_through(start, on_circle(1.0), on_circle(1.5), mode, full=True)

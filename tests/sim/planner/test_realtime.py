@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from for_each import for_each
 
 from aioduco.models.pose import Pose
 from aioduco.sim.planner.realtime_follower import (
@@ -48,7 +49,7 @@ def ramp(count: int, rate: float = 0.2) -> list[RealtimeCommand]:
     ]
 
 
-@pytest.mark.parametrize("bandwidth", [10.0, 100.0])
+@for_each("bandwidth", [10.0, 100.0])
 def test_a_point_is_taken_in_each_cycle_and_followed_with_the_filters_lag(bandwidth: float) -> None:
     queue = filled(ramp(500))
     rows = run(follower(queue, Follow.JOINTS, bandwidth=bandwidth), 400)
@@ -90,8 +91,8 @@ def test_a_pose_and_a_twist_move_the_tool_in_the_work_object() -> None:
     assert moved == pytest.approx([0.0, 0.04 * 0.4985, 0.0], abs=1e-4)
 
 
-@pytest.mark.parametrize(
-    ("what", "command"),
+@for_each(
+    "what, command",
     [
         (Follow.JOINTS, RealtimeCommand(joints=tuple(HOME + 0.01))),
         (Follow.JOINT_SPEEDS, RealtimeCommand(joint_speeds=(0.2,) * 6)),

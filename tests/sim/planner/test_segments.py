@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
+from for_each import for_each
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from quick import examples
@@ -150,8 +152,13 @@ def test_a_circle_ends_where_it_began() -> None:
         arc_move(FIVE, HOME, first, second, 0.3, 1.0, full=True)
 
 
-@pytest.mark.parametrize("turn", [0.0, 1e-11, 1e-9, 3e-9, 1e-8, 1e-7, 1e-6, 1e-5, 0.5])
-@pytest.mark.parametrize("shift", [0.0, 1e-12, 1e-9, 1e-7, 1e-6, 1.1e-6, 1e-5])
+@for_each(
+    "turn, shift",
+    product(
+        [0.0, 1e-11, 1e-9, 3e-9, 1e-8, 1e-7, 1e-6, 1e-5, 0.5],
+        [0.0, 1e-12, 1e-9, 1e-7, 1e-6, 1.1e-6, 1e-5],
+    ),
+)
 def test_a_line_to_where_the_tool_is_nearly_already_is_no_singularity(
     turn: float, shift: float
 ) -> None:
@@ -175,8 +182,8 @@ def test_joints_turn_no_faster_than_they_can_on_a_line_past_a_singularity() -> N
     assert segment.duration > 1.2 * trapezoid(0.8, 2.0, 5.0)
 
 
-@pytest.mark.parametrize(
-    ("q", "name"),
+@for_each(
+    "q, name",
     [
         (np.zeros(6), "singularity"),
         (np.radians([0, 20, 0, 30, -90, 0]), "elbow"),
@@ -221,7 +228,7 @@ def test_joint_limits_are_kept() -> None:
     assert code(on_line) == "limits"
 
 
-@pytest.mark.parametrize(("v", "a", "r"), [(0, 1, 0), (1, 0, 0), (1, 1, -1), (math.nan, 1, 0)])
+@for_each("v, a, r", [(0, 1, 0), (1, 0, 0), (1, 1, -1), (math.nan, 1, 0)])
 def test_parameters_that_make_no_sense_are_refused(v: float, a: float, r: float) -> None:
     with pytest.raises(PlanError) as joint:
         joint_move(FIVE, HOME, HOME + 0.1, v, a, r)
@@ -257,7 +264,7 @@ def sampled(count: int, length: float) -> Path:
     return Path.through(q, *differentiate(q, length / count), length)
 
 
-@pytest.mark.parametrize("degree", range(7))
+@for_each("degree", range(7))
 def test_differences_are_exact_for_polynomials(degree: int) -> None:
     polynomial = np.polynomial.Polynomial(np.arange(1.0, degree + 2))
     s = np.linspace(0, 1, 12)

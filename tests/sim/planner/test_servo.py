@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from for_each import for_each
 
 from aioduco.sim.planner.servo_follower import ServoFollower, ServoTuning
 
@@ -118,7 +119,7 @@ def test_a_stop_and_a_pause_slow_down_at_once() -> None:
     assert np.abs(rows[-1, 0] - (Q + 1.0)).max() > 0.1
 
 
-@pytest.mark.parametrize("sign", [1.0, -1.0])
+@for_each("sign", [1.0, -1.0])
 def test_a_joint_at_its_limit_as_it_is_read_in_32_bits_goes_on(sign: float) -> None:
     read = float(np.float32(sign * 2.0 * np.pi))
     servo = ServoFollower(FIVE, np.array([read, *Q[1:]]), CYCLE)

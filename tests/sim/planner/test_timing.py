@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from for_each import for_each
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from quick import examples
@@ -44,8 +45,8 @@ def limits_along_a_path(draw: st.DrawFn) -> PathLimits:
     return PathLimits(nodes, ceiling, each(0.3, 5.0, pieces), total, curvature, [9.0] * pieces)
 
 
-@pytest.mark.parametrize(
-    ("length", "v", "a"),
+@for_each(
+    "length, v, a",
     [(1.0, 0.25, 1.0), (0.01, 1.0, 2.0), (2.0, 5.0, 0.1), (1e-6, 1.0, 1.0), (100.0, 0.01, 50.0)],
 )
 def test_a_plain_motion_takes_the_time_of_a_trapezoid(length: float, v: float, a: float) -> None:

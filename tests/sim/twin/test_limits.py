@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from for_each import for_each
 
 from aioduco.errors import ParameterError
 from aioduco.sim.twin.limits import TwinLimits, deviations, learn
@@ -51,15 +52,15 @@ def test_a_file_has_all_of_them(learned: TwinLimits, tmp_path: Path) -> None:
     assert TwinLimits.load(tmp_path / "limits.json") == learned
 
 
-@pytest.mark.parametrize("text", ["", "[]", "{}", '{"arm": "gcr5_910"}', "[" * 100_000])
+@for_each("text", ["", "[]", "{}", '{"arm": "gcr5_910"}', "[" * 100_000])
 def test_another_file_is_refused(text: str, tmp_path: Path) -> None:
     (tmp_path / "limits.json").write_text(text)
     with pytest.raises(ParameterError, match="limits"):
         TwinLimits.load(tmp_path / "limits.json")
 
 
-@pytest.mark.parametrize(
-    ("field", "value"),
+@for_each(
+    "field, value",
     [
         *(("mass", "1"), ("mass", math.nan), ("mass", 0.0), ("mass", True), ("delay", -1.0)),
         *(("torque", [1.0] * 5), ("torque", 1.0), ("torque", [0.0] * 6), ("dry", ["1"] * 6)),

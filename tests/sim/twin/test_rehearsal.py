@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
+from for_each import for_each
 
 from aioduco._wire.rpc import Op
 from aioduco.compat import DucoCobot
@@ -73,8 +74,8 @@ def duration(rehearsal: Rehearsal) -> float:
     return time - 1.0
 
 
-@pytest.mark.parametrize(
-    ("function", "arguments"),
+@for_each(
+    "function, arguments",
     [
         ("servoj", ([0.0] * 6, 1.0, 1.0, False, 200.0, 25.0, 0.1, 0.04)),
         ("run_program", ("pick", False)),

@@ -13,11 +13,13 @@ import sys
 import threading
 from collections.abc import Iterator
 from functools import partial
+from itertools import product
 from pathlib import Path
 
 import psutil
 import pytest
 from cli_runner import CliRunner
+from for_each import for_each
 
 from aioduco.cli.app import app
 from aioduco.sim import Simulator, runtime
@@ -211,8 +213,7 @@ def bound(kind: int, host: str, port: int = 0, *, listens: bool = False) -> sock
     return server
 
 
-@pytest.mark.parametrize("asked", ["127.0.0.1", "localhost"])
-@pytest.mark.parametrize("host", ["127.0.0.1", "0.0.0.0"])
+@for_each("asked, host", product(["127.0.0.1", "localhost"], ["127.0.0.1", "0.0.0.0"]))
 def test_a_server_that_listens_is_the_program_s_own(host: str, asked: str) -> None:
     with (
         bound(socket.SOCK_STREAM, host, listens=True) as server,

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 from cli_runner import CliRunner
+from for_each import for_each
 from interpreter import python
 
 from aioduco.cli.app import app
@@ -180,7 +181,7 @@ def test_no_function_of_this_package_is_replaced(tmp_path: Path) -> None:
     assert report.motions
 
 
-@pytest.mark.parametrize(
+@for_each(
     "given",
     [
         *({"allowed": "table"}, {"reachable": "192.0.2.1:80"}, {"vary": "start"}, {"vary": (1,)}),
