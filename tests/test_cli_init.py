@@ -34,7 +34,6 @@ def test_the_project_is_green_as_written(tmp_path: Path) -> None:
     steps = (
         [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"],
         [*COMMAND_LINE, "check", "cell.toml"],
-        [*COMMAND_LINE, "preflight", "main.py"],
         [*COMMAND_LINE, "preflight", "main.py", "--cell", "cell.toml"],
     )
     for step in steps:

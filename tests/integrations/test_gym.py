@@ -108,8 +108,7 @@ def made() -> Iterator[Callable[..., Any]]:
 
 
 @pytest.mark.cases(1)
-@pytest.mark.parametrize("actions", ["cartesian", "joints"])
-@pytest.mark.parametrize("kind", ["", "wire-"])
+@pytest.mark.parametrize(("kind", "actions"), [("", "joints"), ("wire-", "cartesian")])
 @pytest.mark.parametrize("task", TASKS)
 def test_gymnasiums_own_check_passes(
     made: Callable[..., Any], task: str, kind: str, actions: str

@@ -23,11 +23,15 @@ WITH_ADDRESS = {
     "press_on_table.py": [THERE],
 }
 #: of the manual's examples each group and each dialect; `tests/manual` runs all of them
-ON_ITS_OWN = [
-    *("13_play_npy.py", "polish.py"),
-    *("log_to_json.py", "manual/project_sync.py", "manual/realtime_async.py"),
-    *("manual/serial_compat.py", "manual/modbus_sync.py"),
-]
+ON_ITS_OWN: dict[str, list[str]] = {
+    "13_play_npy.py": ["--seconds", "1"],
+    "polish.py": [],
+    "log_to_json.py": [],
+    "manual/project_sync.py": [],
+    "manual/realtime_async.py": [],
+    "manual/serial_compat.py": [],
+    "manual/modbus_sync.py": [],
+}
 
 
 @pytest.mark.slow
@@ -44,7 +48,9 @@ def test_with_an_address_it_runs_in_the_cell_that_was_given(name: str) -> None:
 @pytest.mark.parametrize("name", ON_ITS_OWN)
 def test_without_one_it_runs_on_the_simulator_that_it_starts(name: str) -> None:
     for _ in range(20):
-        report = preflight(EXAMPLES / name, (), PreflightSettings(timeout=110), quiet=True)
+        report = preflight(
+            EXAMPLES / name, ON_ITS_OWN[name], PreflightSettings(timeout=110), quiet=True
+        )
         # On a machine that is too busy for long enough, a stream starves there as anywhere.
         if not any(
             each.kind == "starved stream" or "StreamRefused" in str(each)
