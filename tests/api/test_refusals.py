@@ -109,8 +109,9 @@ def refused(function: str, name: str) -> SearchStrategy[tuple[Any, ...]]:
     return st.tuples(*each)
 
 
-@pytest.mark.cases(2)
-@pytest.mark.parametrize(("case", "name"), PARAMETERS, ids=str)
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+@for_each("case, name", PARAMETERS)
 @settings(max_examples=2)
 @given(data=st.data())
 def test_a_wrong_argument_is_refused(case: Case, name: str, data: st.DataObject) -> None:
