@@ -44,7 +44,7 @@ from aioduco.supervision.motion_path import MotionPath  # noqa: E402  # of this 
 from aioduco.supervision.state_feed import StateFeed  # noqa: E402  # of this checkout
 from aioduco.supervision.task import Task  # noqa: E402  # of this checkout
 
-SYNC = ROOT / "aioduco" / "sync"
+PACKAGE = ROOT / "aioduco"
 Function = ast.AsyncFunctionDef | ast.FunctionDef
 
 
@@ -765,21 +765,26 @@ def _filled(doc: str, width: int) -> str:
     return "\n".join(done)
 
 
+def texts() -> dict[str, str]:
+    """What is generated, by its file in the package."""
+    return {
+        "sync/_generated_objects.py": Generator("_generated_objects").objects(),
+        "sync/_generated.py": Generator("_generated").everything(),
+        "models/places.py": Generator("places").places(),
+    }
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--check", action="store_true", help="fail if a module is out of date")
     options = parser.parse_args()
-    texts = {
-        SYNC / "_generated_objects.py": Generator("_generated_objects").objects(),
-        SYNC / "_generated.py": Generator("_generated").everything(),
-        ROOT / "aioduco" / "models" / "places.py": Generator("places").places(),
-    }
+    modules = {PACKAGE / name: text for name, text in texts().items()}
     if not options.check:
-        for target, text in texts.items():
+        for target, text in modules.items():
             target.write_text(text, encoding="utf-8")
         return 0
     diff: list[str] = []
-    for target, text in texts.items():
+    for target, text in modules.items():
         committed = target.read_text(encoding="utf-8") if target.exists() else ""
         diff += difflib.unified_diff(
             committed.splitlines(), text.splitlines(), str(target), "generated", lineterm=""

@@ -220,7 +220,7 @@ def test_folders_of_the_simulator_import_only_what_is_below_them() -> None:
 
 @pytest.mark.slow
 def test_no_module_of_the_package_imports_itself_when_it_is_loaded_or_for_types() -> None:
-    done = python(".ci/count", cwd=ROOT.parent)
+    done = python(".ci/count", "models", cwd=ROOT.parent)  # of these alone are the lines counted
     assert (done.returncode, done.stderr) == (0, ""), done.stdout
 
 
@@ -263,10 +263,12 @@ def test_libraries_stay_where_they_belong(library: str) -> None:
 def test_processes_are_started_in_one_place() -> None:
     """In a frozen program, an interpreter that is started is the program once more."""
     starts = {"Popen", "run", "call", "check_call", "check_output"}
+    texts = {path: (ROOT / path).read_text(encoding="utf-8") for path in modules().values()}
     found = {
         path
-        for path in modules().values()
-        for node in ast.walk(ast.parse((ROOT / path).read_text(encoding="utf-8")))
+        for path, text in texts.items()
+        if "subprocess" in text or "executable" in text
+        for node in ast.walk(ast.parse(text))
         if (isinstance(node, ast.Attribute) and ast.unparse(node) == "sys.executable")
         or (
             isinstance(node, ast.Call)

@@ -7,6 +7,7 @@ import importlib
 import inspect
 import re
 import sys
+from functools import cache
 from pathlib import Path
 from typing import TypeGuard
 
@@ -52,11 +53,15 @@ def test_it_is_up_to_date_and_the_check_finds_a_difference(
     monkeypatch.syspath_prepend(str(ROOT / "idl"))
     monkeypatch.setattr(sys, "argv", ["generate_sync.py", "--check"])
     generator = importlib.import_module("generate_sync")
+    monkeypatch.setattr(generator, "texts", cache(generator.texts))
     assert generator.main() == 0, capsys.readouterr().out
-    for name in MODULES:
-        text = (ROOT / "aioduco/sync" / name).read_text(encoding="utf-8")
-        (tmp_path / name).write_text(text.replace("self._made.power_on(", "self._made.power_off("))
-    monkeypatch.setattr(generator, "SYNC", tmp_path)
+    monkeypatch.setattr(generator, "PACKAGE", tmp_path)
+    for name, text in generator.texts().items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    assert generator.main() == 0
+    changed = tmp_path / "sync" / "_generated.py"
+    changed.write_text(changed.read_text("utf-8").replace("._made.power_on(", "._made.power_off("))
     assert generator.main() == 1
     assert "self._made.power_off(" in capsys.readouterr().out
 
