@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import gc
 from collections import defaultdict
 from functools import cache
 from pathlib import Path
@@ -32,11 +33,15 @@ BY_SECTION = {
 def modules(having: str = "") -> dict[str, ast.Module]:
     """The package's modules by their path below it, of those whose text has that."""
     texts = {path: path.read_text(encoding="utf-8") for path in sorted(ROOT.rglob("*.py"))}
-    return {
-        path.relative_to(ROOT).as_posix(): ast.parse(text)
-        for path, text in texts.items()
-        if having in text
-    }
+    gc.disable()  # of the trees nothing is garbage, and to look at them takes longest
+    try:
+        return {
+            path.relative_to(ROOT).as_posix(): ast.parse(text)
+            for path, text in texts.items()
+            if having in text
+        }
+    finally:
+        gc.enable()
 
 
 #: other modules whose names are public
