@@ -19,18 +19,6 @@ from aioduco.supervision.task_state import added_entries
 from aioduco.testing import eventually_async
 
 
-async def test_a_motion_is_sent_when_awaited_and_followed_to_its_end(
-    robot: aioduco.Robot, bench: Bench
-) -> None:
-    motion = robot.motion.movej2(HOME, v=1.0, a=2.0)
-    assert bench.commands == []
-    assert await motion is Outcome.FINISHED
-    (call,) = bench.received("movej2")
-    assert call.args[:5] == (HOME, 1.0, 2.0, 0.0, False)
-    (task,) = bench.tasks.values()
-    assert task.state is TaskState.FINISHED
-
-
 async def test_a_task_tells_its_states_and_times(robot: aioduco.Robot, bench: Bench) -> None:
     task = await robot.motion.movel(POSE, v=0.1, a=0.1).start()
     assert task.id in bench.tasks
