@@ -1,7 +1,8 @@
 """A sequence of motions, each sent while the previous one still moves the arm.
 
 Guarantees:
-- When the block is left, every motion of it has ended, or the action of `on_cancel` has been done.
+- When the block is left, every motion of it has ended, or the action of `on_cancel` has been done;
+  also one that another task was sending.
 - No motion is sent after an earlier one has failed, or after the arm was stopped.
 - Each motion is followed to its end, also one whose successor was sent long ago.
 """
@@ -10,6 +11,8 @@ from __future__ import annotations
 
 from collections import deque
 from typing import TYPE_CHECKING, Self
+
+import anyio
 
 from aioduco._process import trial
 from aioduco._process.copying import Uncopied
@@ -43,6 +46,9 @@ class MotionPath(Uncopied):
         self._dispatcher = dispatcher
         self._permit: Permit | None = None
         self._closed = False
+        #: whether the block was left otherwise than at its end
+        self._broken = False
+        self._adding = anyio.Lock()
         self._live: deque[Task] = deque()
         self._outcomes: list[Outcome] = []
 
@@ -65,7 +71,7 @@ class MotionPath(Uncopied):
 
         While the controller has `ahead` motions, this first waits until one of them has ended. So
         the program is ahead of the arm: an action at a place of the path belongs into an `op` of
-        the motion, or after the block. Only one task at a time may call this.
+        the motion, or after the block.
 
         Args:
             motion: the motion, such as `robot.motion.movel(..., r=0.03)`.
@@ -74,7 +80,9 @@ class MotionPath(Uncopied):
             ParameterError: it is no motion, or one of another robot; nothing was sent.
             TaskError: an earlier motion did not succeed; nothing was sent.
             Refused: the controller refused it.
-            RobotStateError: the block was left, or the arm was stopped; the motion was not sent.
+            RobotStateError: the block was left, the arm was stopped, or another task is adding a
+                motion; this one was not sent. If the block ended by an error or a cancellation
+                while it was being sent, it was stopped.
             HeartbeatLost, OutcomeUnknown, ConnectionLost: as `MotionCommand.start` says.
         """
         if not isinstance(motion, MotionCommand):
@@ -88,6 +96,19 @@ class MotionPath(Uncopied):
             raise RobotStateError(
                 f"{motion!r} was not sent: a path takes motions within its block alone"
             )
+        try:
+            self._adding.acquire_nowait()
+        except anyio.WouldBlock:
+            raise RobotStateError(
+                f"{motion!r} was not sent: another task is adding a motion to this path, whose "
+                "motions are sent one after another"
+            ) from None
+        try:
+            return await self._send(motion, permit)
+        finally:
+            self._adding.release()
+
+    async def _send(self, motion: MotionCommand, permit: Permit) -> Task:
         # The tool's pose is known only after the earlier motions have ended.
         await self._until(0 if motion.aimed else self.ahead - 1)
         for earlier in self._live:
@@ -96,17 +117,24 @@ class MotionPath(Uncopied):
         if self._permits.gate.ending(permit) is not None:
             await self._until(0)
             raise RobotStateError(f"{motion!r} was not sent: the arm was stopped on this path")
+        if self._closed:
+            raise RobotStateError(f"{motion!r} was not sent: the path's block was left meanwhile")
         behind = self._live[-1] if self._live else None
         with self._permits.within(permit), trial.started():
             task = await self._dispatcher.launch(motion.command, behind=behind)
         self._live.append(task)
+        if self._broken:
+            await task.cancel()
+            raise RobotStateError(f"{motion!r} was stopped: the path's block was left meanwhile")
         return task
 
     async def _until(self, most: int) -> None:
-        """Wait until at most `most` motions are in progress."""
+        """Wait until at most `most` motions are in progress; the block's end and `add` may both."""
         while len(self._live) > most:
-            self._outcomes.append(await self._live[0])
-            self._live.popleft()
+            outcome = await (first := self._live[0])
+            if self._live and self._live[0] is first:
+                self._live.popleft()
+                self._outcomes.append(outcome)
 
     async def __aenter__(self) -> Self:
         if self._permit is not None:
@@ -116,11 +144,16 @@ class MotionPath(Uncopied):
 
     async def __aexit__(self, _kind: object, exc: BaseException | None, _trace: object) -> None:
         self._closed = True
+        self._broken = exc is not None
         if exc is None:
             try:
                 await self._until(0)
-            except DucoError:
-                await self._stop_rest()
+                async with self._adding:  # it ends, or has sent its motion
+                    await self._until(0)
+            except BaseException as error:
+                self._broken = True
+                if isinstance(error, DucoError):
+                    await self._stop_rest()
                 raise
         elif isinstance(exc, DucoError):
             await self._stop_rest()

@@ -394,6 +394,87 @@ async def test_a_path_takes_motions_within_its_block(robot: aioduco.Robot, bench
     assert path.outcomes == ()
 
 
+async def test_a_block_that_is_left_while_another_task_waits_to_add(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    """After it no motion is sent, and the arm stands."""
+    bench.motion_time = 100.0
+    errors: list[BaseException] = []
+    first, second, third = three_legs(robot)
+    path = robot.motion.path(ahead=2)
+
+    async def go_on() -> None:
+        with pytest.raises(aioduco.RobotStateError, match="was left meanwhile") as told:
+            await path.add(third)
+        errors.append(told.value)
+
+    async def arrive() -> None:
+        await eventually_async(lambda: path._closed)
+        for _ in (first, second):
+            bench.arrive()
+
+    async with anyio.create_task_group() as tg:
+        async with path:
+            for leg in (first, second):
+                await path.add(leg)
+            tg.start_soon(go_on)
+            await eventually_async(path._adding.locked)
+            with pytest.raises(aioduco.RobotStateError, match="another task is adding"):
+                await path.add(motions(robot, [0.0])[0])
+            tg.start_soon(arrive)
+        assert errors
+        assert not bench.moving()
+    assert bench.commands == ["movel"] * 2
+    assert len(path.outcomes) == 2
+
+
+@pytest.mark.parametrize("broken", [False, True])
+async def test_a_block_that_is_left_while_another_task_sends(
+    robot: aioduco.Robot, bench: Bench, broken: bool
+) -> None:
+    """It waits for the motion; or the motion is stopped once it is known."""
+    bench.motion_time = 30.0 if broken else 0.1
+    start, gate = bench._answers["movel"], threading.Event()
+    reached = threading.Event()
+
+    def held(*args: object) -> int:
+        answer: int = start(*args)
+        reached.set()
+        gate.wait(10)
+        return answer
+
+    bench.answer("movel", held)
+    path = robot.motion.path()
+    told: list[str] = []
+
+    async def add() -> None:
+        try:
+            await path.add(motions(robot, [0.0])[0])
+        except aioduco.RobotStateError as error:
+            told.append(str(error))
+
+    async def along() -> None:
+        async with path:
+            tg.start_soon(add)
+            await eventually_async(reached.is_set)
+            if broken:
+                raise ZeroDivisionError
+            threading.Timer(0.05, gate.set).start()
+
+    async with anyio.create_task_group() as tg:
+        if broken:
+            with pytest.raises(ZeroDivisionError):
+                await along()
+            gate.set()
+        else:
+            await along()
+            assert path.outcomes == (Outcome.FINISHED,)
+            assert path.tasks == ()
+    assert not bench.moving()
+    assert not robot.tasks
+    assert ["was stopped" in text for text in told] == [True] * broken
+
+
 async def test_a_motion_of_another_robot_is_no_part_of_a_path(
     robot: aioduco.Robot, bench: Bench
 ) -> None:

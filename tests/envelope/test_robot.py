@@ -454,8 +454,8 @@ async def test_an_arm_whose_joint_speeds_are_not_reported_is_stopped_and_not_mov
     assert "speed of each joint" in told.reason
     assert isinstance(stopped.value.__cause__, StaleState)
     assert least(FLAT, seen.q) >= 0
-    told = r"movej2 was not sent.*speed of each joint.*away \(None\)"
-    with pytest.raises(StaleState, match=told):
+    refusal = r"movej2 was not sent.*speed of each joint.*away \(None\)"
+    with pytest.raises(StaleState, match=refusal):
         await robot.motion.movej2(turned(0.1), v=1.0, a=5.0)
     monkeypatch.undo()
     await eventually_async(lambda: not robot.tasks)
