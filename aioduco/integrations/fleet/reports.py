@@ -199,7 +199,8 @@ _TEXTS: Final = ("link", "error", "robot", "program", "safety", "mode")
 
 
 def _encoded(**table: Any) -> bytes:
-    return json.dumps({"version": VERSION, **table}, ensure_ascii=False).encode()
+    text = json.dumps({"version": VERSION, **table}, ensure_ascii=False)
+    return text.encode(errors="backslashreplace")  # a byte of a file's name that is no text
 
 
 def _decoded(data: bytes) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 from typing import Any
 
@@ -99,6 +100,12 @@ def test_numbers_and_control_characters_are_not_passed_on() -> None:
             GatewayReport.decode(report(**changed))
     read = GatewayReport.decode(report(error="\x1b[2Jgone"))
     assert read.arms[0].error == "�[2Jgone"  # a terminal would obey it
+
+
+def test_an_error_with_a_file_name_that_is_no_text_is_passed_on() -> None:
+    error = "not read: " + os.fsdecode(b"cell-\xe9.toml")
+    sent = GatewayReport("cell", 1, (ArmReport("left", "lost", error),)).encode()
+    assert "cell-" in GatewayReport.decode(sent).arms[0].error
 
 
 def test_a_stop_is_never_taken_for_done_by_another_one() -> None:
