@@ -165,7 +165,7 @@ def _builder(shape: Any, places: list[_Where]) -> Callable[[tuple[Any, ...]], An
     """
 
     def build(numbers: tuple[Any, ...]) -> Any:
-        # slices of a list are lists already
-        return shape(*map(list(numbers).__getitem__, places))
+        values = list(numbers)  # its slices are lists already
+        return shape(*[values[where] for where in places])
 
     return build

@@ -206,7 +206,9 @@ async def test_an_input_that_the_controller_does_not_tell_is_named() -> None:
     with Bench() as bench:
         bench.answer("getRobotIOStatus", rpc.IOStatus(digitalInputs=[False] * 2))
         async with aioduco.connect(bench.host, bench.port) as robot:
-            with pytest.raises(errors.ParameterError, match="num is 3, but must be a whole number from 1 to 2"):
+            with pytest.raises(
+                errors.ParameterError, match="num is 3, but must be a whole number from 1 to 2"
+            ):
                 await DigitalGripper(robot, 1, holds=3).start()
 
 
