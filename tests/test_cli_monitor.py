@@ -52,7 +52,7 @@ def sample(states: tuple[int, ...] = (6, 5, 5, 1), **status: Any) -> Snapshot:
     )
     seen, arm = make.states(states), make.status(rpc.RobotStatus(**given | status))
     forces = make.forces([1.0, -2.5, 30.0, 0.0, 0.1, 0.0], [])
-    return Snapshot(0, seen.received_at, seen, arm, make.io(signals), forces)
+    return Snapshot(0, seen.received_at, seen, arm, make.io(lambda: signals), forces)
 
 
 def drawn(state: MonitorState, width: int = 110, height: int = 30) -> list[str]:

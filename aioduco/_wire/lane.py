@@ -323,15 +323,15 @@ class WireLane:
             call.abandon()
             raise
 
-    async def ask(self, *names: str) -> list[codec.ReadResult]:
-        """Call functions that only read and have no parameters, in one batch on one connection.
+    async def ask(self, *questions: tuple[str, tuple[Any, ...]]) -> list[codec.ReadResult]:
+        """Call functions that only read, in one batch on one connection.
 
         The calls are sent in one piece; the controller reads and answers them in their order, as
         it does the calls of any client. They share the lane's time limit. If a connection that was
         already in use is lost before that time, all are sent once more on a new one.
 
         Args:
-            names: the functions, at least two.
+            questions: the functions, at least two, each with its arguments.
 
         Returns:
             Their answers; any of them may be the controller's error.
@@ -339,19 +339,19 @@ class WireLane:
         Raises:
             The errors of `call`, except `ControllerError` and `OutcomeUnknown`.
         """
-        call = self.prepare(names[0], ())
+        call = self.prepare(*questions[0])
         begin = call.begun
-        further = [self._functions[name] for name in names[1:]]
-        call.further = [(function, codec.encode(function, ())) for function in further]
+        further = [(self._functions[name], args) for name, args in questions[1:]]
+        call.further = [(function, codec.encode(function, args)) for function, args in further]
         try:
             self.send(call)
             answers: list[codec.ReadResult] = await call.answer()
         except BaseException as exc:
-            self.report(names[0], (), None, exc, begin)
+            self.report(*questions[0], None, exc, begin)
             raise
         if self._trace is not None or self.observers:
-            for name, answer in zip(names, answers, strict=True):
-                self.report(name, (), answer.value, answer.error, begin, answer.at)
+            for (name, args), answer in zip(questions, answers, strict=True):
+                self.report(name, args, answer.value, answer.error, begin, answer.at)
                 begin = answer.at
         return answers
 

@@ -40,7 +40,8 @@ class State(Section):
 
         Manual section 1.3.7.
         """
-        return self._supervisor.samples.io(await self._rpc.getRobotIOStatus())
+        status = await self._rpc.getRobotIOStatus()
+        return self._supervisor.samples.io(lambda: status)
 
     async def robotmoving(self) -> bool:
         """Tell whether the arm moves (机器人是否在运动). Manual section 1.3.8."""

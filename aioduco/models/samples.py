@@ -21,7 +21,7 @@ from aioduco.models.state import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
 
 #: arrays of a status, and what the wire calls them
@@ -111,10 +111,15 @@ class Samples:
         tool_, external_ = vectors(tool, external)
         return ForceStatus(next(self._forces), at, tool_, external_)
 
-    def io(self, wire: rpc.IOStatus, at: float | None = None) -> IOStatus:
-        """Make a sample from the result of getRobotIOStatus, whose lists are in the same order."""
+    def io(self, read: Callable[[], rpc.IOStatus], at: float | None = None) -> IOStatus:
+        """Make a sample from the result of getRobotIOStatus, whose lists are in the same order.
+
+        Args:
+            read: returns the result; called when the first value of the sample is used.
+            at: when its answer arrived.
+        """
         at = time.monotonic() if at is None else at
-        return IOStatus(next(self._io), at, *map(tuple, _io_lists(wire)))
+        return IOStatus.of(next(self._io), at, lambda: map(tuple, _io_lists(read())))
 
 
 def _torques(wire: newer.RobotStatus) -> JointTorques:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Self, TypeAlias
 
 from aioduco._process import trial
 from aioduco._process.copying import Frozen
@@ -13,7 +13,7 @@ from aioduco.models.enums import SafetyState
 from aioduco.models.numpy_on_use import np
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
     from numpy.typing import NDArray
 
@@ -202,8 +202,47 @@ class ForceStatus(Sample):
     external_torques: Vector
 
 
+class _Late(Sample):
+    """A sample whose values are made when the first of them is used: a few of many are."""
+
+    __slots__ = ("_values",)
+
+    #: makes the values of all slots but those of `Sample`; None once they are there
+    _values: Callable[[], Iterable[object]] | None
+
+    @classmethod
+    def of(cls, sequence: int, received_at: float, values: Callable[[], Iterable[object]]) -> Self:
+        """Make a sample.
+
+        Args:
+            sequence: its number.
+            received_at: when it was received [s of `time.monotonic`].
+            values: makes its other values, in their order; it cannot fail.
+        """
+        made = object.__new__(cls)
+        object.__setattr__(made, "_values", values)
+        object.__setattr__(made, "sequence", sequence)
+        object.__setattr__(made, "received_at", received_at)
+        made.__post_init__()
+        return made
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name):
+            """Make the values; only called for what is not there."""
+            names = type(self).__match_args__[2:]
+            if name in names and self._values is not None:
+                for each, value in zip(names, self._values(), strict=True):
+                    object.__setattr__(self, each, value)
+                object.__setattr__(self, "_values", None)
+            return object.__getattribute__(self, name)
+
+    def _content(self) -> dict[str, object]:
+        return {name: getattr(self, name) for name in type(self).__match_args__}
+
+
 @dataclass(frozen=True, slots=True, eq=False)
-class IOStatus(Sample):
+class IOStatus(_Late):
     """Inputs, outputs and registers (manual 1.3.7, getRobotIOStatus).
 
     `input`, `output`, `tool_input` and `tool_output` use the controller's numbers of signals:

@@ -152,11 +152,12 @@ def on_grid(at: float) -> float:
 class Alarm:
     """Wakes the task that waits for it at a given time, or earlier when it is rung."""
 
-    __slots__ = ("_rung", "_waiter")
+    __slots__ = ("_rung", "_timer", "_waiter")
 
     def __init__(self) -> None:
         self._rung = False
         self._waiter: asyncio.Future[None] | None = None
+        self._timer: asyncio.TimerHandle | None = None
 
     @property
     def awaited(self) -> bool:
@@ -178,18 +179,30 @@ class Alarm:
         if self._rung:
             self._rung = False
             return
-        loop = asyncio.get_running_loop()
-        waiter = self._waiter = loop.create_future()
-        timer = None
+        waiter = self._waiter = asyncio.get_running_loop().create_future()
         if due is not None:
-            timer = loop.call_later(max(due - time.monotonic(), 0.0), _wake, waiter)
+            self._set(waiter, due)
         try:
             await waiter
         finally:
             if self._waiter is waiter:
+                self._cancel()
                 self._waiter, self._rung = None, False
-            if timer is not None:
-                timer.cancel()
+
+    def postpone(self, due: float) -> None:
+        """Let the task that waits until a time wait until another one [s of `time.monotonic`]."""
+        if self._timer is not None and self._waiter is not None:
+            self._cancel()
+            self._set(self._waiter, due)
+
+    def _set(self, waiter: asyncio.Future[None], due: float) -> None:
+        seconds = max(due - time.monotonic(), 0.0)
+        self._timer = waiter.get_loop().call_later(seconds, _wake, waiter)
+
+    def _cancel(self) -> None:
+        timer, self._timer = self._timer, None
+        if timer is not None:
+            timer.cancel()
 
 
 def _wake(waiter: asyncio.Future[None]) -> None:

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from aioduco._wire.lane import WireLane
     from aioduco._wire.owner_loop import OwnerLoop
     from aioduco.models.samples import Samples
+    from aioduco.supervision.task_follower import TaskFollower
 
 
 _SIZE = Integer(1, 2**31 - 1, source="this package")
@@ -155,8 +156,8 @@ class Subscription(Uncopied, Generic[T]):
 #: weight of a new interval in the measured rate
 _SMOOTHING = 0.1
 #: functions that are called for each sample, and further ones if forces are wanted
-_STATE = ("get_robot_state", "getRobotStatus", "getRobotIOStatus")
-_FORCES = ("get_tcp_force", "get_ext_torque")
+_STATE = (("get_robot_state", ()), ("getRobotStatus", ()), ("getRobotIOStatus", ()))
+_FORCES = (("get_tcp_force", ()), ("get_ext_torque", ()))
 #: seconds between two attempts while the controller does not answer
 _RETRY_EVERY = 0.1
 #: seconds without a sample after which it counts as silent, and how many samples that are, at least
@@ -225,14 +226,21 @@ class StateFeed(Uncopied, MisspeltRefused):
         samples: makes samples.
         background: runs the feed.
         rate: samples per second [Hz].
+        follower: follows the robot's tasks, whose states come with the samples.
     """
 
     def __init__(
-        self, lane: WireLane, samples: Samples, background: BackgroundTasks, rate: float
+        self,
+        lane: WireLane,
+        samples: Samples,
+        background: BackgroundTasks,
+        rate: float,
+        follower: TaskFollower,
     ) -> None:
         self._lane = lane
         self._samples = samples
         self._background = background
+        self._follower = follower
         self._subscriptions: list[Subscription[Snapshot]] = []
         self._latest: Snapshot | None = None
         self._error: DucoError | None = None
@@ -445,10 +453,17 @@ class StateFeed(Uncopied, MisspeltRefused):
 
     async def _read(self) -> Snapshot:
         wanted = self.forces or self.force_readers
-        states_, status_, io_, *rest = await self._lane.ask(*_STATE, *(_FORCES if wanted else ()))
+        questions = _STATE + _FORCES if wanted else _STATE
+        if (task := self._follower.due_before(1.0 / self._rate)) is not None:
+            questions = (*questions, ("get_noneblock_taskstate", (task.id,)))
+        states_, status_, io_, *rest = await self._lane.ask(*questions)
+        if task is not None:
+            self._follower.told(task, rest.pop())
         states = self._samples.states(states_.get(), states_.at)
         status = self._samples.status(status_.get(), status_.at)
-        io = self._samples.io(io_.get(), io_.at)
+        if io_.error is not None:
+            raise io_.error
+        io = self._samples.io(io_.get, io_.at)
         forces = None
         if wanted:
             # A value that a controller does not have, or does not report, is NaN.

@@ -196,7 +196,8 @@ class Supervisor:
         )
         self.dispatcher: Dispatcher = Dispatcher(self._motion_lane, self.stop_coordinator, settings)
         self.feed: StateFeed = StateFeed(
-            self._feed_lane, self.samples, self._background, settings.state_rate
+            *(self._feed_lane, self.samples, self._background, settings.state_rate),
+            self.stop_coordinator.follower,
         )
         self.events: Events = Events(
             *(self.feed, self._feed_lane, self._background),

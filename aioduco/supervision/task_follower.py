@@ -8,6 +8,9 @@ task is polled often when something is likely to happen and seldom when not:
 - in between, after half of the time that it has run, or has still to run, whichever is
   shorter, but often enough that an unexpected end is noticed soon.
 
+While the feed runs, a task far from its end is asked for in the batch of a sample; it is polled if
+none comes.
+
 Due times are absolute: a late poll does not delay the later ones. Missed polls are skipped.
 
 Guarantees:
@@ -45,6 +48,7 @@ from aioduco.supervision.task_state import STOOD, Successor, added_entries
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Sequence
 
+    from aioduco._wire.codec import ReadResult
     from aioduco._wire.lane import WireLane
     from aioduco.models.controller_clock import Clock
 
@@ -60,6 +64,8 @@ STEADY = 0.005
 PROMPT = 0.002
 #: maximum seconds between polls, far from an expected end
 SLOW = 0.05
+#: seconds by which a sample may be late that brings the state of a task
+_LATER = 0.01
 #: time after its expected end for which a task is polled at the fast rate [s]
 OVERDUE = 0.1
 #: part of the time since its acceptance, or until its expected end, that passes without a poll
@@ -333,12 +339,44 @@ class TaskFollower:
         if task.life.ended:
             await self._end(task)
             return
-        arm_time = self._clock.now()
-        self._note_time(task, arm_time)
+        self._note_time(task, self._clock.now())
         if self._due[task] == due:  # else it is to be polled again at once
-            remaining = None if task.expected_end is None else task.expected_end - arm_time
-            every = interval(now - task.accepted_at, remaining) if answered else SLOW
+            every = self._interval(task, now) if answered else SLOW
             self._due[task] = next_poll(due, now, every)
+
+    def _interval(self, task: Task, now: float) -> float:
+        end = task.expected_end
+        return interval(now - task.accepted_at, None if end is None else end - self._clock.now())
+
+    # States that come with the samples of the feed: a poll of their own costs a round trip, and a
+    # controller whose samples do not come is polled as if there were none.
+
+    def due_before(self, seconds: float) -> Task | None:
+        """The task to ask for with a sample: due before the next one, and far from its end.
+
+        Args:
+            seconds: until the next sample.
+        """
+        now = time.monotonic()
+        task = min(self._due, key=self._due.__getitem__, default=None)
+        if task is None or self._due[task] >= now + seconds or task.state not in _UNDER_WAY:
+            return None
+        far = not task.life.continues_after_task and self._interval(task, now) >= SLOW
+        return task if far else None
+
+    def told(self, task: Task, answer: ReadResult) -> None:
+        """Take in what came with a sample; a task that has changed is polled at once."""
+        now = time.monotonic()
+        if self._due.get(task, now) <= now:
+            return  # it has ended, or is being polled
+        if answer.error is None and answer.value == task.state:
+            self._answered(task, task.state)
+            self._note_time(task, self._clock.now())
+            self._due[task] = now + self._interval(task, now) + _LATER
+            self._alarm.postpone(min(self._due.values()))
+        else:
+            self._due[task] = now
+            self._alarm.ring()
 
     def _note_time(self, task: Task, arm_time: float) -> None:
         """Stop an overdue task, and end a motion whose time is over."""

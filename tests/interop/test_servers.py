@@ -35,7 +35,7 @@ async def test_several_questions_in_one_piece_are_answered_in_their_order(start:
     await lane.open()
     try:
         for calls in range(0, 2000, 5):
-            states, status, refused, force = await lane.ask(*names)
+            states, status, refused, force = await lane.ask(*((name, ()) for name in names))
             assert states.get()[3] == calls % 100
             assert status.get().jointActualPosition == [(calls + 1) % 100] * 6
             with pytest.raises(ControllerError, match="not here"):

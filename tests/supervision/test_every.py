@@ -122,3 +122,15 @@ async def test_an_alarm_whose_wait_was_cancelled_serves_the_next_one() -> None:
         await alarm.wait(time.monotonic() + 3600.0)
     alarm.ring()
     await alarm.wait()
+
+
+async def test_an_alarm_that_was_postponed_wakes_later() -> None:
+    alarm = Alarm()
+    alarm.postpone(0.0)  # nobody waits
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(alarm.wait, time.monotonic() + 0.01)
+        await anyio.lowlevel.checkpoint()
+        alarm.postpone(time.monotonic() + 3600.0)
+        await Alarm().wait(time.monotonic() + 0.02)
+        assert alarm.awaited
+        alarm.postpone(time.monotonic())

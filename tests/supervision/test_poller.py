@@ -11,7 +11,7 @@ import pytest
 from client.bench import HOME, POSE, Bench
 
 import aioduco
-from aioduco import Outcome
+from aioduco import Outcome, TaskState
 from aioduco.supervision import task_follower as poller
 from aioduco.supervision.task_follower import FAST, STEADY
 from aioduco.testing import Cut, FaultProxy, Place, eventually_async
@@ -100,6 +100,34 @@ async def test_a_stop_does_not_wait_for_the_next_poll(
     await eventually_async(lambda: robot.statistics().polls > polls)
     await robot.stop()
     assert task.outcome is Outcome.STOPPED
+
+
+async def test_a_task_far_from_its_end_is_asked_for_with_the_samples(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    bench.motion_time = 600.0
+
+    def asked() -> int:
+        return len(bench.received("get_noneblock_taskstate")) - robot.statistics().polls
+
+    with robot.feed.subscribe() as samples:
+        task = await robot.motion.movej2([0.0] * 6, v=0.003, a=1.0).start()  # 500 s expected
+        await eventually_async(lambda: asked() > 3)
+        assert task.state is TaskState.RUNNING
+        # no sample comes: it is polled
+        held = bench.hold("getRobotStatus", bench._status)
+        polls = robot.statistics().polls
+        await eventually_async(lambda: robot.statistics().polls > polls + 3)
+        held.set()
+        await anext(samples)
+        await eventually_async(lambda: asked() > 6)
+        bench.arrive()
+        assert await task is Outcome.FINISHED
+        # nor is one that has ended
+        before = asked()
+        for _ in range(3):
+            await anext(samples)
+        assert asked() <= before + 1
 
 
 async def test_nothing_is_asked_when_no_task_lives(robot: aioduco.Robot, bench: Bench) -> None:

@@ -83,7 +83,7 @@ def test_vector_is_cut_or_filled() -> None:
 
 def test_io_status_keeps_every_list() -> None:
     wire = rpc.IOStatus(digitalInputs=[True, False], wordRegisterInputs=[7], toolButton=[True])
-    sample = Samples().io(wire)
+    sample = Samples().io(lambda: wire)
     assert sample.digital_inputs == (True, False)
     assert sample.word_inputs == (7,)
     assert sample.tool_buttons == (True,)

@@ -54,7 +54,8 @@ def test_calls_are_answered(runner: asyncio.Runner) -> None:
             async with anyio.create_task_group() as group:
                 for number in range(5):
                     group.start_soon(lane.rpc.get_noneblock_taskstate, number)
-            answers = await lane.ask("get_robot_state", "getRobotStatus", "get_global_speed")
+            names = ("get_robot_state", "getRobotStatus", "get_global_speed")
+            answers = await lane.ask(*((name, ()) for name in names))
             assert [answer.error for answer in answers] == [None] * 3
             call = lane.prepare("stop", (True,), PATIENCE)
             lane.send(call)

@@ -299,6 +299,7 @@ async def test_a_hook_that_fails_disturbs_no_call(caplog: pytest.LogCaptureFixtu
 # Several questions at once
 
 _STATE = ("get_robot_state", "getRobotStatus", "get_tcp_force")
+_QUESTIONS = tuple((name, ()) for name in _STATE)
 
 
 async def test_several_questions_are_asked_in_order_and_seen_one_by_one() -> None:
@@ -315,7 +316,7 @@ async def test_several_questions_are_asked_in_order_and_seen_one_by_one() -> Non
 
     async with opened(script) as (lane, server):
         lane.observers.append(seen.append)
-        states, status, force = await lane.ask(*_STATE)
+        states, status, force = await lane.ask(*_QUESTIONS)
         assert states.get() == [6, 1, 1, 0]
         assert status.error is None
         assert states.at <= status.at <= force.at
@@ -341,7 +342,7 @@ async def test_several_questions_are_asked_again_on_another_connection() -> None
 
     async with opened(breaking, honest) as (lane, server):
         await lane.rpc.stop(True)
-        assert len(await lane.ask(*_STATE)) == 3
+        assert len(await lane.ask(*_QUESTIONS)) == 3
         assert server.names == ["stop", *_STATE[:2], *_STATE]
         assert server.connections == 2
 
@@ -350,7 +351,7 @@ async def test_several_questions_without_an_answer_are_over_in_time() -> None:
     gate = Gate()
     async with opened(gate, call_timeout=SHORT) as (lane, server):
         with pytest.raises(ConnectionLost):
-            await lane.ask(*_STATE)
+            await lane.ask(*_QUESTIONS)
         assert lane.statistics().failed == lane.statistics().calls == 3
         gate.open()
         assert set(server.names) <= {*_STATE[:1]}

@@ -88,7 +88,7 @@ def _snapshot(
         seen[f"joint{kind}Velocity"] = speeds.tolist()
     seen |= {"slaveReady": [True] * 6, "robotState": 6, "robotError": error}
     status: Any = samples.status(rpc.RobotStatus(**seen))
-    io = samples.io(rpc.IOStatus(digitalInputs=[False] * 16, digitalOutputs=outputs))
+    io = samples.io(lambda: rpc.IOStatus(digitalInputs=[False] * 16, digitalOutputs=outputs))
     states = RobotStates(
         0, at, RobotState.ENABLE, ProgramState.STOPPED, SafetyState.RUN, OperationMode.AUTO
     )
