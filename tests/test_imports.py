@@ -159,7 +159,7 @@ NEEDLESS = {"email", "http", "multiprocessing", "pickle", "tempfile", "tomllib",
 FOR_ALL = {
     *("aioduco._process.platform", "aioduco._process.reporting", "aioduco._wire"),
     *("aioduco.errors", "aioduco.models.trace"),
-    *("aioduco._process.copying", "aioduco._process.trial"),
+    *("aioduco._process.copying", "aioduco._process.trial", "aioduco._process.wakeup"),
 }
 TO_CONNECT = FOR_ALL | {
     *("aioduco._process.spawn", "aioduco.envelope", "aioduco.models"),

@@ -29,6 +29,7 @@ from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Final
 
 from aioduco._process.copying import Uncopied
+from aioduco._process.wakeup import Wakeup
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -121,7 +122,7 @@ class Reporter(Uncopied):
         Returns:
             Whether it was written in time.
         """
-        over = threading.Event()
+        over = Wakeup()
         return not self.written(over.set) or over.wait(timeout)
 
     def _begin(self) -> None:

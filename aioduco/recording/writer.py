@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar
 
 from aioduco._process.platform import BINARY, CLOSE_ON_EXEC, PRIVATE
 from aioduco._process.reporting import BackgroundLogger
+from aioduco._process.wakeup import Wakeup
 from aioduco.errors import MissingExtra
 from aioduco.models.host_port import host_port
 
@@ -98,7 +99,7 @@ class MessageWriter(ABC, Generic[C]):
         self.written: int = 0
         self._name = name
         self._queue: SimpleQueue[tuple[Any, ...] | None] = SimpleQueue()
-        self._finishing = threading.Event()
+        self._finishing = Wakeup()
         self._accepts = False
         self._process = os.getpid()
         self._thread: threading.Thread | None = None

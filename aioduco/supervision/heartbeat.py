@@ -35,6 +35,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from aioduco._process.platform import boot_time
 from aioduco._process.reporting import BackgroundLogger
+from aioduco._process.wakeup import Wakeup
 from aioduco.errors import DucoError
 
 if TYPE_CHECKING:
@@ -203,7 +204,7 @@ class Heartbeat:
         self.sent: float = 0.0
         self._machine = HeartbeatMachine(seconds, stall_limit, boot_time())
         self._ended = False
-        self._nudge = threading.Event()
+        self._nudge = Wakeup()
         #: why the last beat was not answered; None if it was
         self.error: DucoError | None = None
         self._thread = threading.Thread(target=self._run, name="aioduco-heartbeat", daemon=True)
@@ -262,7 +263,6 @@ class Heartbeat:
             while True:
                 planned = self._wake(due)
                 nudged = self._nudge.wait(max(0.0, planned - boot_time()))
-                self._nudge.clear()
                 if self._ended:
                     return
                 now = boot_time()

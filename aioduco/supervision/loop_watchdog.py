@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Final
 
 from aioduco._process.platform import boot_time
 from aioduco._process.reporting import BackgroundLogger
+from aioduco._process.wakeup import Wakeup
 from aioduco._wire.forks import fork_hooks
 from aioduco.errors import GuardLost
 from aioduco.supervision.concurrency import Ticker, every
@@ -125,7 +126,7 @@ class LoopWatchdog:
         self._loop_thread = loop_thread
         #: keep-alives of the robots, each with its limit and its callback; replaced as a whole
         self._watched: dict[Liveness, tuple[float, Callable[[float, str], None]]] = {}
-        self._changed = threading.Event()
+        self._changed = Wakeup()
         self._thread = threading.Thread(target=self._run, name="aioduco-loop-watchdog", daemon=True)
 
     def add(self, life: Liveness, limit: float, blocked: Callable[[float, str], None]) -> None:

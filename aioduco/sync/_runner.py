@@ -5,7 +5,7 @@ Guarantees:
   on the loop, and runs to its end there, before the interrupt is raised: a motion that the call
   waited for has been stopped by then. A second Ctrl-C does not shorten this: nothing by which a
   thread of the program waits, or hands its calls over, has a lock that an interrupt could leave
-  held or let go of, as `threading.Event` and futures have.
+  held or let go of, as `threading.Event` and futures have: see `_process/wakeup.py`.
 - A call belongs to the moment in which it was made: a stop of another thread ends it although the
   loop, which was busy, had not begun it.
 - If the main thread ends without closing the robot, the loop's thread closes it, which stops this
@@ -25,6 +25,7 @@ import anyio
 
 from aioduco._process import trial
 from aioduco._process.reporting import BackgroundLogger
+from aioduco._process.wakeup import Wakeup
 from aioduco._wire.forks import fork_hooks
 from aioduco._wire.owner_loop import OwnerLoop
 from aioduco.errors import DucoError, RobotStateError, WrongProcess
@@ -55,14 +56,12 @@ class Latch:
 
     def __init__(self) -> None:
         self._set = False
-        self._lock = threading.Lock()
-        self._lock.acquire()
+        self._wakeup = Wakeup()
 
     def set(self) -> None:
-        """Set it; on one thread alone."""
-        if not self._set:
-            self._set = True
-            self._lock.release()
+        """Set it."""
+        self._set = True
+        self._wakeup.set()
 
     def is_set(self) -> bool:
         """Whether it is set."""
@@ -71,7 +70,7 @@ class Latch:
     def wait(self, lost: Callable[[], bool] = lambda: False) -> None:
         """Wait until it is set, or until nothing will set it, as `lost` says."""
         while not self._set and not lost():
-            self._lock.acquire(timeout=_WAKE_EVERY)
+            self._wakeup.wait(_WAKE_EVERY)
 
 
 class StartedCall(Generic[T]):

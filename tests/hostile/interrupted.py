@@ -1,12 +1,13 @@
-"""A program that is interrupted at one line of the package while it leaves its robot.
+"""A program that is interrupted at one line of some modules while it leaves its robot.
 
-    python interrupted.py HOST PORT
+    python interrupted.py HOST PORT WHERE
 
+WHERE is the beginning of the names of their files.
 For each number that it reads it runs once, in a fork of itself, which has not to load the package;
 on a system without forks itself, for the first one alone.
-The motion is cancelled, as a first interrupt does it. From then on the lines of the package are
-counted that the main thread runs; at the line of that number a second interrupt arrives. What the
-program writes is where that was, and how it ended.
+The motion is cancelled, as a first interrupt does it. From then on the lines and the returns of
+functions are counted that the main thread runs there; at that number a second interrupt arrives.
+What the program writes is where that was, and how it ended.
 """
 
 from __future__ import annotations
@@ -20,13 +21,12 @@ from typing import Any
 
 import aioduco
 
-PACKAGE = os.path.dirname(aioduco.__file__) + os.sep  # noqa: PTH120  # compared with file names
-
 
 class Interruption:
-    """Counts lines of the package, and interrupts at one of them."""
+    """Counts lines and returns, and interrupts at one of them."""
 
-    def __init__(self, number: int) -> None:
+    def __init__(self, where: str, number: int) -> None:
+        self._where = where
         self._left = number
 
     def begin(self) -> None:
@@ -42,9 +42,9 @@ class Interruption:
 
     def trace(self, frame: FrameType, event: str, _arg: object) -> Any:
         """Count a line; a trace function."""
-        if not frame.f_code.co_filename.startswith(PACKAGE):
+        if not frame.f_code.co_filename.startswith(self._where):
             return None
-        if event == "line":
+        if event in ("line", "return"):
             self._left -= 1
             if self._left == 0:
                 sys.settrace(None)
@@ -54,8 +54,8 @@ class Interruption:
         return self.trace
 
 
-async def main(host: str, port: int, number: int) -> None:
-    interruption = Interruption(number)
+async def main(host: str, port: int, where: str, number: int) -> None:
+    interruption = Interruption(where, number)
     async with aioduco.connect(host, port, heartbeat=20.0, loop_stall_limit=15.0) as robot:
         task = await robot.motion.movej2([0, 0, 1.5, 0, -1.5, 0], v=1.0, a=1.0).start()
         here = asyncio.current_task()
@@ -72,12 +72,12 @@ async def main(host: str, port: int, number: int) -> None:
 if __name__ == "__main__":
     # whoever waits in vain for this program ends it by SIGABRT, and reads where it was
     faulthandler.enable()
-    _, given_host, given_port = sys.argv
+    _, given_host, given_port, files = sys.argv
     aioduco.connect(given_host, int(given_port))  # loads what it takes
     for line in sys.stdin:
         child = os.fork() if hasattr(os, "fork") else 0
         if not child:
-            asyncio.run(main(given_host, int(given_port), int(line)))
+            asyncio.run(main(given_host, int(given_port), files, int(line)))
             sys.exit()
         sys.stdout.write(f" {os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])}\n")
         sys.stdout.flush()

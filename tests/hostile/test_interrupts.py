@@ -1,4 +1,4 @@
-"""An interrupt at any line of the package leaves neither a program that hangs nor a moving arm."""
+"""An interrupt at any line leaves neither a program that hangs nor a moving arm."""
 
 from __future__ import annotations
 
@@ -6,13 +6,16 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import psutil
 import pytest
 from client.bench import Bench
 
+import aioduco
 from aioduco.testing import eventually, no_leaks
 from hostile import interrupted, interrupted_calls
 
@@ -27,28 +30,51 @@ def bench() -> Iterator[Bench]:
         yield bench
 
 
-@pytest.mark.timeout(300)
-def test_an_interrupt_anywhere_on_the_way_out(bench: Bench, thorough: bool) -> None:
-    # leaving takes some 3500 lines; the steps have no common factor with what repeats in it
-    numbers = range(11, 3600, 127) if thorough and hasattr(os, "fork") else (11,)
+@contextmanager
+def interrupted_program(bench: Bench, where: str) -> Iterator[Callable[[int], str]]:
+    """The program; a function that runs it once, and returns where it was interrupted, or ""."""
     with subprocess.Popen(
-        [sys.executable, str(Path(interrupted.__file__)), bench.host, str(bench.port)],
+        [sys.executable, str(Path(interrupted.__file__)), bench.host, str(bench.port), where],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,
     ) as program:
-        assert program.stdin is not None
-        assert program.stdout is not None
+        stdin, stdout = program.stdin, program.stdout
+        assert stdin is not None
+        assert stdout is not None
+
+        def run(number: int) -> str:
+            print(number, file=stdin, flush=True)
+            place, _, status = stdout.readline().partition(" ")
+            assert int(status or program.wait()) != 0, f"{number}: {place}"
+            eventually(lambda: not bench.moving(), what=f"the arm stands after {place}")
+            return place
+
         try:
-            for number in numbers:
-                print(number, file=program.stdin, flush=True)
-                where, _, status = program.stdout.readline().partition(" ")
-                assert int(status or program.wait()) != 0, f"{number}: {where}"
-                eventually(lambda: not bench.moving(), what=f"the arm stands after {where}")
+            yield run
         except BaseException:
             for each in (*psutil.Process(program.pid).children(), program):
                 each.send_signal(signal.SIGABRT)  # one that hangs says where
             raise
+
+
+@pytest.mark.timeout(300)
+def test_an_interrupt_anywhere_on_the_way_out(bench: Bench, thorough: bool) -> None:
+    # leaving takes some 4500 of them; the steps have no common factor with what repeats in it
+    numbers = range(11, 4600, 163) if thorough and hasattr(os, "fork") else (11,)
+    with interrupted_program(bench, str(Path(aioduco.__file__).parent) + os.sep) as run:
+        for number in numbers:
+            run(number)
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(300)
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="each number takes a fork")
+def test_an_interrupt_anywhere_in_the_locks_of_the_standard_library(bench: Bench) -> None:
+    """Leaving begins anew after an interrupt: a lock that one left held would hold it for ever."""
+    with interrupted_program(bench, threading.__file__) as run:
+        for number in range(4, 84, 10):
+            assert run(number)
 
 
 @pytest.mark.slow
