@@ -349,16 +349,24 @@ class BackgroundTasks:
         self._in_forked_child = True
 
     async def aclose(self) -> None:
-        """Cancel the coroutines that still run, and wait until they have ended."""
+        """Cancel the coroutines that still run, and wait until they have ended.
+
+        One that can never end, since an interrupt in the middle of its cancellation took its turn,
+        is not waited for.
+        """
         self._closing = True
         # tasks of a closed loop can neither run nor be cancelled any more
         self._tasks = {task for task in self._tasks if not task.get_loop().is_closed()}
+        stuck: set[asyncio.Task[Any]] = set()
         while self._tasks:
             for task in self._tasks:
                 task.cancel()
             # again after a while: an error that comes with a cancellation may hide it
-            done, _ = await asyncio.wait(self._tasks, timeout=_CANCEL_AGAIN)
+            done, late = await asyncio.wait(self._tasks, timeout=_CANCEL_AGAIN)
             self._tasks -= done  # also those whose `_ended` was not called, due to an interrupt
+            # twice, since one that was just woken looks the same
+            before, stuck = stuck, {task for task in late if _to_be_woken(task)}
+            self._tasks -= before & stuck
 
     async def ended(self) -> None:
         """Wait until no coroutine runs any more."""
@@ -379,3 +387,9 @@ class BackgroundTasks:
             self._crashed(error)
             if isinstance(error, Exception):  # a signal's handler may raise anywhere: Ctrl-C
                 _log.error("%s failed", task.get_name(), exc_info=error)
+
+
+def _to_be_woken(task: asyncio.Task[Any]) -> bool:
+    """Whether what the task awaits is over, so that its turn comes next, or was lost."""
+    awaited: asyncio.Future[Any] | None = getattr(task, "_fut_waiter", None)
+    return awaited is not None and awaited.done()

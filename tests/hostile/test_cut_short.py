@@ -75,6 +75,38 @@ async def test_work_that_goes_on_after_a_cancellation_is_cancelled_again(
     assert not len(background)
 
 
+def test_work_whose_turn_an_interrupt_took_is_not_waited_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """It never ends, and a robot that waited for it would need one Ctrl-C more to be left."""
+    monkeypatch.setattr(concurrency, "_CANCEL_AGAIN", 0.01)
+
+    async def program() -> None:
+        begun = asyncio.Event()
+
+        async def work() -> None:
+            begun.set()
+            await asyncio.Event().wait()
+
+        background = BackgroundTasks(lambda error: None)
+        background.start(work(), "work")
+        await begun.wait()
+        with monkeypatch.context() as interrupting:
+            interrupting.setattr(loop, "call_soon", interrupt)
+            with pytest.raises(KeyboardInterrupt):
+                await background.aclose()
+        await background.aclose()
+        assert not len(background)
+
+    def interrupt(*args: object, **context: object) -> None:
+        raise KeyboardInterrupt
+
+    # no runner, which would wait for the task
+    loop = asyncio.new_event_loop()
+    loop.run_until_complete(asyncio.wait_for(program(), 10.0))
+    loop.close()
+
+
 @pytest.mark.parametrize(
     ("error", "said"), [(ValueError("a defect"), ["work failed"]), (KeyboardInterrupt(), [])]
 )
