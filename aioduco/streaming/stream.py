@@ -182,9 +182,7 @@ class Stream(Uncopied):
         if self._feeding.chunks:
             await self.send_chunk([point])
             return
-        values = tuple(self._check("point", point))
-        self._check_step(values)
-        await self._feed((values,), self._feeding.queued)
+        await self._feed((tuple(self._check("point", point)),), self._feeding.queued)
 
     async def send_chunk(self, actions: Any, at: float | None = None) -> None:
         """Send a chunk of actions; from its time on it replaces earlier chunks.
@@ -300,7 +298,8 @@ class Stream(Uncopied):
 
         Raises:
             ParameterError: the array is not allowed; nothing was sent.
-            SetPointTooFar: two successive set-points are too far apart; nothing was sent.
+            SetPointTooFar: two successive set-points are too far apart; nothing was sent, unless
+                another task has sent one meanwhile that is too far from the next.
             StreamError: the stream has ended; the error says why.
         """
         points = await self._sampled(trajectory, times)
@@ -388,7 +387,12 @@ class Stream(Uncopied):
         await anyio.lowlevel.checkpoint()
 
     def _placed(self, values: tuple[float, ...]) -> tuple[float, ...]:
-        """Return the set-point for what the program gives, just before it is written."""
+        """Return the set-point for what the program gives, just before it is written.
+
+        Raises:
+            SetPointTooFar: it is too far from the one before.
+        """
+        self._check_step(values)
         return values
 
     async def _begin(self) -> None:

@@ -652,7 +652,8 @@ class StreamCalls(Block):
 
         Raises:
             ParameterError: the array is not allowed; nothing was sent.
-            SetPointTooFar: two successive set-points are too far apart; nothing was sent.
+            SetPointTooFar: two successive set-points are too far apart; nothing was sent, unless
+                another thread has sent one meanwhile that is too far from the next.
             StreamError: the stream has ended; the error says why.
         """
         self._call(self._made.play(trajectory, times))

@@ -640,6 +640,35 @@ async def test_offsets_of_two_tasks_add_up(controller: Controller) -> None:
     assert steps[:, 0].sum() == pytest.approx(0.03)
 
 
+@pytest.mark.parametrize("whole", [False, True])
+async def test_the_largest_step_of_two_tasks_is_from_what_was_sent_last(
+    controller: Controller, whole: bool
+) -> None:
+    """Also if another task has sent meanwhile, while this one waited for room."""
+    opened = controller.servo.joints(v=1.0, a=5.0, rate=100, ahead=1, max_step=0.01, options=THREAD)
+    async with opened as stream:
+
+        async def send_on() -> None:
+            await stream.send(HERE)
+            if whole:
+                await stream.play([near(0.009 - 1e-6 * n) for n in range(400)])
+            else:
+                await stream.send(near(0.009))
+
+        async def send_both() -> None:
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(send_on)
+                for n in range(400):
+                    await stream.send(near(-0.009 + 1e-6 * n))
+
+        await stream.send(HERE)
+        with pytest.raises(ExceptionGroup) as refused:
+            await send_both()
+        assert refused.group_contains(SetPointTooFar)
+    points = np.array(controller.points())
+    assert np.ptp(points[:, 0]) < 0.01
+
+
 async def test_of_two_tasks_that_wait_for_room_each_is_woken(controller: Controller) -> None:
     """The one that waits longer must not wait until the arm has nothing to follow."""
     opened = controller.servo.joints(v=1.0, a=5.0, rate=20, ahead=20, options=THREAD)

@@ -44,7 +44,6 @@ class TrackStream(Stream):
             StreamError: the stream has ended; the error says why.
         """
         values = tuple(self._check("point", point))
-        self._check_step(values)
         await self._feed((values,), self._feeding.queued, self._tail(op))
 
     async def play(self, trajectory: Any, times: Any = None) -> None:
