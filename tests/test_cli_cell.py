@@ -72,7 +72,7 @@ def test_a_command_finds_its_robot_in_the_cell(tmp_path: Path) -> None:
         file.write_text(file.read_text().replace("normal", "nrmal"))
         assert run("stop", "--cell", str(file)).exit_code == 0
         broken = run("move", "joints", *"000000", "--cell", str(file), "--yes")
-        assert (broken.exit_code, "did you mean 'normal'" in told(broken)) == (1, True)
+        assert (broken.exit_code, "did you mean 'normal'" in told(broken)) == (2, True)
 
 
 @pytest.mark.slow
@@ -128,6 +128,30 @@ def test_points_and_waypoints_of_a_cell_are_checked(tmp_path: Path) -> None:
     file.write_text(file.read_text().replace("0.1]", "0.8]"))
     beyond = run("play", str(file), "--check")
     assert (beyond.exit_code, "table" in told(beyond)) == (1, True)
+
+
+@pytest.mark.parametrize("text", ["x = 1\n", "[["])
+def test_a_wrong_file_ends_each_command_by_one_code(tmp_path: Path, text: str) -> None:
+    """2 for what a person writes, as for an option; 1 for what was recorded or measured."""
+    wrong, data = tmp_path / "wrong.toml", tmp_path / "run.mcap"
+    wrong.write_text(text)
+    data.write_text(text)
+    arm = "127.0.0.1 --port 1"
+    ends = {
+        command: run(*command.format(file=wrong, data=data).split()).exit_code
+        for command in (
+            "play {file} --check",
+            f"payload {arm} --poses {{file}} --yes",
+            "status --cell {file}",
+            "fleet status {file}",
+            f"twin {arm} --limits {{file}}",
+            "sim --profile {file}",
+            "play {data} --check",
+            "twin --judge {data}",
+            f"calibrate {{data}} --output {tmp_path / 'arm.toml'}",
+        )
+    }
+    assert ends == {command: 1 if "{data}" in command else 2 for command in ends}
 
 
 def test_options_come_before_what_the_cell_says(tmp_path: Path) -> None:

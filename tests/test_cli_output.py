@@ -111,6 +111,17 @@ def test_warnings_and_tracebacks_of_a_command_are_shown_not_carried_out() -> Non
     assert logging.lastResort is not None
 
 
+def test_log_messages_name_commands_for_the_arm_of_the_command() -> None:
+    program = (
+        "import logging, aioduco.cli.output as o; o.guard_streams()\n"
+        "from aioduco.cli.exit_codes import ended_by_errors\n"
+        "with ended_by_errors(at='left'):\n"
+        "    logging.getLogger('aioduco.x').warning('call robot.recover(), then robot.stop()')\n"
+    )
+    told = python("-c", program).stderr
+    assert told.splitlines() == ["call `aioduco recover left`, then `aioduco stop left`"]
+
+
 def test_every_command_guards_its_streams(monkeypatch: pytest.MonkeyPatch) -> None:
     guarded = []
     monkeypatch.setattr(aioduco.cli.output, "guard_streams", lambda: guarded.append(1))

@@ -128,7 +128,7 @@ def _controller(
         )
         ask(what, "Move it?", yes=yes)
     # An interrupted check stops the arm before it ends, as every check does.
-    with ended_by_errors():
+    with ended_by_errors(at=address.where):
         report = check_controller(
             address.host,
             address.port,
@@ -176,7 +176,7 @@ def _motions(address: RobotAddress, path: Path, extent: Extent, *, yes: bool) ->
         f"with nothing within that space.\n{SAFE}"
     )
     ask(what, "Move it?", yes=yes)
-    with ended_by_errors("interrupted: the arm was stopped"):
+    with ended_by_errors("interrupted: the arm was stopped", address.where):
         anyio.run(
             measure,
             *(address.host, address.port, path, extent),

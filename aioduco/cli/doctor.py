@@ -43,5 +43,5 @@ def doctor(
             with writing(json):
                 found.plain.save(json)
 
-    with ended_by_errors():
+    with ended_by_errors(at=address.where):
         anyio.run(run)

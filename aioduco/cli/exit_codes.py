@@ -6,7 +6,7 @@ import signal
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Final, NoReturn
 
-from aioduco.cli.output import say
+from aioduco.cli.output import log_about, say
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 #: the command failed; the message says why
 FAILED: Final = 1
-#: wrong options or arguments
+#: wrong options or arguments, or a wrong file of settings or points that they name
 USAGE: Final = 2
 #: the question was not answered with yes; nothing was sent that moves the arm
 NOT_CONFIRMED: Final = 3
@@ -98,17 +98,22 @@ def ended_by_errors(interrupted: str = "interrupted", at: str = "") -> Iterator[
 
     Args:
         interrupted: message after Ctrl-C, SIGTERM or SIGHUP.
-        at: address of the arm, for the commands that the message names.
+        at: address of the arm, for the commands that the message, and log messages, name.
     """
     from aioduco.cli.signals import handled, termination_signals  # noqa: PLC0415 - quick help
     from aioduco.errors import (  # noqa: PLC0415 - quick help
+        CellFileError,
         DucoError,
         ParameterError,
         PersonNeeded,
+        SceneError,
         StopUnconfirmed,
+        WaypointFileError,
     )
 
     told = signal.SIGINT.value
+    if at:
+        log_about(at)
 
     def terminate(number: int, frame: FrameType | None) -> None:
         nonlocal told
@@ -128,7 +133,8 @@ def ended_by_errors(interrupted: str = "interrupted", at: str = "") -> Iterator[
         except PersonNeeded as error:
             say_error(error, at)
             code = PERSON_NEEDED
-        except ParameterError as error:  # of an option or argument; nothing was sent
+        # of an option or argument, or a file that one names; nothing was sent
+        except (ParameterError, CellFileError, SceneError, WaypointFileError) as error:
             say_error(error, at)
             code = USAGE
         except (DucoError, OSError) as error:  # an OSError: of a file

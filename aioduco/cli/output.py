@@ -134,12 +134,20 @@ def drop_unwritten() -> None:
 
 
 class _ShownFormatter(logging.Formatter):
-    """Log messages without control characters, with commands in place of the robot's functions."""
+    """Log messages without control characters, with commands in place of the robot's functions.
+
+    Args:
+        at: address of the arm that they are about, as of `commands`.
+    """
+
+    def __init__(self, at: str = "") -> None:
+        super().__init__()
+        self._at = at
 
     def formatMessage(self, record: logging.LogRecord) -> str:  # noqa: N802 - of the base class
         from aioduco.cli.command_terms import in_commands  # noqa: PLC0415 - quick stop
 
-        return in_commands(super().formatMessage(record))
+        return in_commands(super().formatMessage(record), self._at)
 
     def format(self, record: logging.LogRecord) -> str:
         return shown(super().format(record))
@@ -155,9 +163,14 @@ def guard_streams() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
-    if logging.lastResort is not None:
-        logging.lastResort.setFormatter(_ShownFormatter())
+    log_about("")
     sys.excepthook = _say_traceback
+
+
+def log_about(at: str) -> None:
+    """Let log messages name commands for the arm at this address, as of `commands`."""
+    if logging.lastResort is not None:
+        logging.lastResort.setFormatter(_ShownFormatter(at))
 
 
 def _open_closed_streams() -> None:

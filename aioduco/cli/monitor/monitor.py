@@ -66,7 +66,7 @@ def monitor(
         live.update(screen(state, console.width, console.height), refresh=True)
 
     terminal = sys.stdin.fileno()
-    with ended_by_errors(_ENDED):
+    with ended_by_errors(_ENDED, address.where):
         try:
             with single_keys(terminal):
                 told = anyio.run(MonitorClient(robot, str(address), terminal, draw).watch)
