@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 
 _SAMPLE = 0.02  # time between two points of what remains of a path [s]
+#: points of what remains besides those of the path itself, between which it is one polynomial
 _MOST_SAMPLES = 3000
 _SHORTEST = 0.2  # shortest time in which the arm reaches the path's speed [s]
 #: times in which a moving arm comes onto a path, the shortest that keeps the limits is taken [s]
@@ -81,14 +82,14 @@ def rest_of_path(
     ramp = max(_SHORTEST, 1.5 * speed / profile.acceleration, 6.0 * away)
     if remains / factor > ramp / 2:
         duration = remains / factor + ramp / 2
-        moments = _moments(duration)
+        moments = _moments(ramp, duration, ramp / 2 + (path.times - begin) / factor)
         rising = np.minimum(moments / ramp, 1.0)
         place = begin + factor * (moments - ramp * rising * (1.0 - rising / 2.0))
         rate = factor * rising
     else:
         # so near to the end that it is one smooth motion there
         ramp = duration = max(_SHORTEST, 1.6 * (remains / factor + away))
-        moments = _moments(duration)
+        moments = _moments(duration, duration)
         share = moments / duration
         place = begin + remains * share**2 * (3.0 - 2.0 * share)
         rate = remains * 6.0 * share * (1.0 - share) / duration
@@ -134,12 +135,8 @@ def path_from_motion(
     gap, drift = place - path.at(at)[0], speed - factor * path.velocity(at)[0]
     if duration < _BLENDS[0]:
         return None
-    # close together as long as it may fade
-    near = min(duration, _BLENDS[-1])
-    moments = _moments(near)
-    if duration > near + _SAMPLE:
-        moments = np.concatenate([moments, near + _moments(duration - near)[1:]])
-    moments[-1] = duration
+    near = min(duration, _BLENDS[-1])  # as long as it may fade
+    moments = _moments(near, duration, (path.times - begin) / factor)
     own, rate = path.at(begin + factor * moments), factor * path.velocity(begin + factor * moments)
     own_change = np.abs(np.gradient(rate, moments, axis=0)).max(axis=0)
     for blend in _BLENDS:
@@ -178,6 +175,20 @@ def nearest_time(path: Any, actual: Sequence[float], begin: float, end: float) -
     return float(times[int(np.argmin(away))])
 
 
-def _moments(duration: float) -> NDArray[np.float64]:
-    count = min(_MOST_SAMPLES, max(10, math.ceil(duration / _SAMPLE)))
-    return np.linspace(0.0, duration, count + 1)
+def _moments(
+    near: float, duration: float, points: NDArray[np.float64] | Sequence[float] = ()
+) -> NDArray[np.float64]:
+    """Times of the points: close together at first, then those of the path, and some between.
+
+    Args:
+        near: time in which the arm comes onto the path [s].
+        duration: time of the whole [s].
+        points: times of the path's own points [s].
+    """
+    own = [time for time in points if near + _SAMPLE < time < duration - _SAMPLE]
+    edges = np.array([0.0, *([near, *own] if near + _SAMPLE < duration else ()), duration])
+    steps = np.full(len(edges) - 1, max(_SAMPLE, duration / _MOST_SAMPLES))
+    steps[0] = min(_SAMPLE, near / 10)
+    counts = np.concatenate([[0], np.cumsum(np.ceil(np.diff(edges) / steps))])
+    moments: NDArray[np.float64] = np.interp(np.arange(counts[-1] + 1), counts, edges)
+    return moments

@@ -90,6 +90,22 @@ def test_a_moving_arm_comes_onto_the_path_without_a_step(
     np.testing.assert_allclose(places[late], PATH.at(on_path)[late], atol=2e-3)
 
 
+def test_what_remains_of_a_long_path_is_the_path() -> None:
+    """Ten minutes with a wiggle of a second, of which the arm has done one."""
+    times = np.linspace(0.0, 600.0, 5001)
+    wiggle = 0.05 * np.sin(2.0 * np.pi * times)[:, None] * np.eye(6)[0]
+    path = JointTrajectory(HERE + wiggle, times).curve(START)
+    begin, factor = 60.03, 0.5
+    here = path.at(np.array([begin]))[0]
+    speed = factor * path.velocity(np.array([begin]))[0]
+    moving = path_from_motion(path, here, speed, begin=begin, factor=factor, profile=PROFILE)
+    for part in (moving, rest_of_path(path, here, begin=begin, factor=factor, profile=PROFILE)):
+        assert part is not None
+        looks = np.linspace(3.0, part.trajectory.duration, 20_000)
+        on_path = path.at(np.array([part.path_time(time) for time in looks]))
+        np.testing.assert_allclose(part.trajectory.curve(here).at(looks), on_path, atol=1e-6)
+
+
 def test_where_a_moving_arm_cannot_come_onto_the_path_in_time() -> None:
     here = PATH.at(np.array([2.9]))[0]
     far = here + 0.3
