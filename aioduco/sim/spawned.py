@@ -26,7 +26,7 @@ def serve(
     options: Mapping[str, Any],
     announce: Callable[[dict[str, Any]], object],
     owner_channel: ValueChannel,
-    answer: Callable[[Simulator], bool] | None = None,
+    answer: Callable[[Simulator], bool],
 ) -> None:
     """Run a simulator until its channel closes, SIGTERM or SIGINT comes, or a client shuts it down.
 
@@ -36,12 +36,11 @@ def serve(
         owner_channel: channel of the program that uses the simulator; when it closes, the
             simulator ends.
         answer: reads a request from the channel and replies; returns whether the simulator
-            continues. None to read nothing.
+            continues.
     """
     # Only the simulator uses this process. With a short interval a command does not wait long for a
     # thread that computes, such as one that plans a motion.
     sys.setswitchinterval(SWITCH_INTERVAL)
-    heard = answer or (lambda _: not owner_channel.ended())
     ours, others = socket.socketpair()
     ours.setblocking(False)
     others.setblocking(False)
@@ -61,7 +60,7 @@ def serve(
             selector.register(ours, selectors.EVENT_READ)
             while True:
                 ready = {key.fileobj for key, _ in selector.select()}
-                if ours in ready or not heard(sim):
+                if ours in ready or not answer(sim):
                     break
     ours.close()
     others.close()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import signal
 import subprocess
@@ -24,21 +23,6 @@ from aioduco.sim.simulator import Simulator
 
 from .conftest import Connect
 from .raw import RawClient
-
-
-def run() -> subprocess.Popen[bytes]:
-    return subprocess.Popen(
-        [sys.executable, "-m", "aioduco.sim"],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-    )
-
-
-def first_line(process: subprocess.Popen[bytes]) -> dict[str, object]:
-    assert process.stdout is not None
-    ready: dict[str, object] = json.loads(process.stdout.readline())
-    return ready
 
 
 def test_a_spawned_simulator_is_served_and_ends_with_its_block(connect: Connect) -> None:
@@ -125,11 +109,9 @@ def test_an_address_of_another_computer_is_refused_as_in_this_process() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_signals_end_it_cleanly(number: signal.Signals) -> None:
-    with run() as process:
-        first_line(process)
-        process.send_signal(number)
-        _, errors = process.communicate(timeout=30)
-        assert (process.returncode, errors) == (0, b"")
+    with Simulator.spawn() as sim:
+        sim.process.send_signal(number)
+        assert sim.process.wait(30) == 0
 
 
 @pytest.mark.slow
