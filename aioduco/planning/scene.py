@@ -7,6 +7,7 @@ import dataclasses
 import itertools
 import threading
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -154,20 +155,19 @@ class Scene:
         Raises:
             SceneError: there is a thing of this name already, or an argument is not a thing.
         """
-        named = dict(self._things)
-        taken = {*named, *(thing.name for thing in things if isinstance(thing, Thing))}
-        for thing in things:
-            if not isinstance(thing, Thing):
-                raise SceneError(f"{thing!r} is no thing: give boxes, meshes, point clouds, …")
-            numbers = map("thing{}".format, itertools.count(len(named) + 1))
-            name = thing.name or next(each for each in numbers if each not in taken)
-            taken.add(name)
-            if name in named:
-                raise SceneError(f"there is a thing called {name!r} already; nothing was added")
-            named[name] = dataclasses.replace(thing, name=name)
-        with self._lock:
+        with self._changing():
+            named = dict(self._things)
+            taken = {*named, *(thing.name for thing in things if isinstance(thing, Thing))}
+            for thing in things:
+                if not isinstance(thing, Thing):
+                    raise SceneError(f"{thing!r} is no thing: give boxes, meshes, point clouds, …")
+                numbers = map("thing{}".format, itertools.count(len(named) + 1))
+                name = thing.name or next(each for each in numbers if each not in taken)
+                taken.add(name)
+                if name in named:
+                    raise SceneError(f"there is a thing called {name!r} already; nothing was added")
+                named[name] = dataclasses.replace(thing, name=name)
             self._things = named
-            self._changed()
 
     def remove(self, name: str) -> None:
         """Remove a thing from the scene, also one that is held.
@@ -175,12 +175,12 @@ class Scene:
         Raises:
             SceneError: there is no thing of this name.
         """
-        self._known(name)
-        with self._lock:
-            del self._things[name]
+        with self._changing():
+            self._known(name)
+            # another dict: a thread may be going through this one
+            self._things = {own: thing for own, thing in self._things.items() if own != name}
             self._attached.pop(name, None)
             self._allowed = {pair for pair in self._allowed if name not in pair}
-            self._changed()
 
     def move(self, name: str, at: PoseLike) -> None:
         """Move a thing to another position.
@@ -192,11 +192,9 @@ class Scene:
         Raises:
             SceneError: there is no thing of this name.
         """
-        moved = dataclasses.replace(self._known(name), at=at)
-        with self._lock:
-            self._things[name] = moved
+        with self._changing():
+            self._things[name] = dataclasses.replace(self._known(name), at=at)
             self._attached.pop(name, None)
-            self._changed()
 
     def attach(self, name: str, joints: JointsLike) -> None:
         """Attach a thing to the flange where it is, as a closing gripper does.
@@ -212,12 +210,10 @@ class Scene:
             SceneError: there is no thing of this name.
             ParameterError: the configuration is not six joint angles, or out of range.
         """
-        q, body = np.array(JOINTS("joints", joints)), self._body(name)
-        with self._lock:
-            place = self._own.place(q, body)
-            self._attached[name] = place
+        q = np.array(JOINTS("joints", joints))
+        with self._changing():
+            self._attached[name] = self._own.place(q, self._body(name))
             self._loose = None if self._loose is None else self._loose_without(name)
-            self._changed()
 
     def detach(self, name: str, joints: JointsLike) -> None:
         """Detach a thing from the flange; it stays where it is.
@@ -230,14 +226,15 @@ class Scene:
             SceneError: nothing of this name is held, or the thing is from a simulator's scene.
             ParameterError: the configuration is not six joint angles, or out of range.
         """
-        if name not in self._attached:
-            raise SceneError(f"nothing called {name!r} is held; held: {', '.join(self._attached)}")
-        thing = self._known(name)
         flange = self.mounting.matrix @ self.arm.fkine(np.array(JOINTS("joints", joints)))
-        with self._lock:
-            at = Pose.from_matrix(flange @ self._attached.pop(name))
+        with self._changing():
+            if name not in self._attached:
+                held = ", ".join(self._attached)
+                raise SceneError(f"nothing called {name!r} is held; held: {held}")
+            thing = self._known(name)
+            at = Pose.from_matrix(flange @ self._attached[name])
             self._things[name] = dataclasses.replace(thing, at=tuple(at))
-            self._changed()
+            del self._attached[name]
 
     def allow(self, one: str, other: str) -> None:
         """Let two bodies touch, such as "tool" and a thing that it grasps.
@@ -246,10 +243,8 @@ class Scene:
             one: name of a thing, "link1" to "link6", "flange", "tool", "base" or "floor".
             other: name of the other body, likewise.
         """
-        pair = self._body(one), self._body(other)
-        with self._lock:
-            self._allowed.add(pair)
-            self._changed()
+        with self._changing():
+            self._allowed.add((self._body(one), self._body(other)))
 
     def forbid(self, one: str, other: str) -> None:
         """Undo `allow` for two bodies.
@@ -257,10 +252,9 @@ class Scene:
         Raises:
             SceneError: there is no body of one of the names.
         """
-        pair = self._body(one), self._body(other)
-        with self._lock:
+        with self._changing():
+            pair = self._body(one), self._body(other)
             self._allowed -= {pair, pair[::-1]}
-            self._changed()
 
     # -- questions -----------------------------------------------------------------------------
 
@@ -427,9 +421,16 @@ class Scene:
             raise SceneError(f"nothing is called {name!r}; there are {', '.join(sorted(known))}")
         return name
 
-    def _changed(self) -> None:
-        self._model = self._checker = None
-        self._revision += 1
+    @contextmanager
+    def _changing(self) -> Iterator[None]:
+        """For each change as a whole: what it is made from is that of no other thread's change.
+
+        If the block raises, the scene is as before.
+        """
+        with self._lock:
+            yield
+            self._model = self._checker = None
+            self._revision += 1
 
 
 def require_scene(name: str, scene: object, arm: Arm) -> None:

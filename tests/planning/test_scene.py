@@ -296,3 +296,31 @@ def test_threads_may_ask_a_scene_at_once() -> None:
     """MuJoCo's data are for one thread: the interpreter crashed."""
     found = python("-c", _MANY_THREADS)
     assert (found.returncode, found.stdout.strip()) == (0, "0"), found.stderr
+
+
+_MANY_CHANGES = """
+import sys, threading
+from aioduco.planning import Scene
+from aioduco.sim.scene import Box
+
+sys.setswitchinterval(1e-5)
+scene = Scene("gcr5_910")
+
+def add(names):
+    for name in names:
+        scene.add(Box(name=name))
+
+each = [[f"{kind}{number}" for number in range(100)] for kind in "abcd"]
+threads = [threading.Thread(target=add, args=(names,)) for names in each]
+for thread in threads:
+    thread.start()
+for thread in threads:
+    thread.join()
+print(sorted(thing.name for thing in scene) == sorted(sum(each, [])), scene.revision)
+"""
+
+
+def test_what_threads_add_at_once_is_all_there() -> None:
+    """Of two things that were added at once one was lost: a plan led through it."""
+    found = python("-c", _MANY_CHANGES)
+    assert found.stdout.strip() == "True 401", found.stderr
