@@ -271,8 +271,8 @@ class _Link:
 
     def _flush(self, side: _Side) -> None:
         if side.waiting and side.connected:
-            sent = side.sock.send(side.waiting)
-            del side.waiting[:sent]
+            with contextlib.suppress(BlockingIOError):  # it takes no more: the caller goes on
+                del side.waiting[: side.sock.send(side.waiting)]
         if (
             not side.waiting
             and side.connected

@@ -125,6 +125,28 @@ def test_bytes_pass_both_ways_whatever_they_are(listener: socket.socket) -> None
     assert sum("is no message" in note for note in found.notes()) == 2
 
 
+def test_what_a_client_reads_late_is_told_of_all_the_same(listener: socket.socket) -> None:
+    """A copy was left out, and nothing said so, while the client's socket took no more."""
+    name, text = b"function_of_later", b"x" * 60_000
+    call = struct.pack(f">Ii{len(name)}sib", 0x80010001, len(name), name, 1, 0)
+    answer = struct.pack(f">Ii{len(name)}sibhi", 0x80010002, len(name), name, 1, 11, 0, len(text))
+    answer += text + b"\0"
+    count = 200
+    answers = answer * count  # more than the sockets on the way take
+    tap = Tap("127.0.0.1", listener.getsockname()[1])
+    with told(tap) as found, joined(tap, listener) as (client, controller):
+        client.sendall(call * count)
+        assert taken(controller, len(call) * count) == call * count
+        sent = 0
+        while select.select([], [controller], [], 0.5)[1]:  # until nothing more passes
+            sent += controller.send(answers[sent : sent + 4096])
+        thread = threading.Thread(target=controller.sendall, args=(answers[sent:],))
+        thread.start()
+        assert taken(client, len(answers)) == answers
+        thread.join()
+    assert (len(found.calls()), found.notes()[1:-1]) == (count, [])
+
+
 @pytest.mark.slow
 def test_who_does_not_read_what_it_tells_holds_up_nothing(listener: socket.socket) -> None:
     with Tap("127.0.0.1", listener.getsockname()[1]) as tap, joined(tap, listener) as pair:
