@@ -2,8 +2,8 @@
 
 Guarantees:
 - One request at a time: a second caller waits until the first request was answered or has failed.
-- Old bytes in the controller's buffer are discarded before a request, so that a late answer to an
-  earlier request is not taken for the answer to this one.
+- The answer to an earlier request is not taken for the answer to this one: one that was cancelled
+  is waited for until its time-out is over, and old bytes in the controller's buffer are discarded.
 - A request is never sent twice.
 """
 
@@ -17,7 +17,7 @@ import anyio
 
 from aioduco._process.copying import Uncopied
 from aioduco.devices.bus import frames
-from aioduco.errors import Described, ModbusGarbled, ModbusTimeout, ParameterError
+from aioduco.errors import Described, ModbusError, ModbusGarbled, ModbusTimeout, ParameterError
 from aioduco.models import ranges
 from aioduco.models.rules import Integer, Signed, Whole, WholesLike
 
@@ -63,6 +63,21 @@ class Port:
         return cls(bus.write_raw_data_485, bus.read_raw_data_485)
 
 
+class _Line:
+    """What the devices on one bus share.
+
+    Attributes:
+        lock: held by the request that is under way.
+        owed: a request that was cancelled, and may still be answered; None if there is none.
+        until: time up to which it may be answered, of `time.monotonic` [s].
+    """
+
+    def __init__(self) -> None:
+        self.lock = anyio.Lock()
+        self.owed: Request | None = None
+        self.until = 0.0
+
+
 class ModbusRtu(Uncopied):
     """A device that speaks Modbus RTU.
 
@@ -91,7 +106,7 @@ class ModbusRtu(Uncopied):
         self._unit = _UNIT("unit", unit)
         self._timeout = ranges.TIMEOUT("timeout", timeout)
         self._poll = ranges.TIMEOUT("poll", poll)
-        self._lock = anyio.Lock()
+        self._line = _Line()
 
     def __repr__(self) -> str:
         return f"<ModbusRtu device {self._unit}>"
@@ -103,7 +118,7 @@ class ModbusRtu(Uncopied):
             unit: its number, 1 to 247.
         """
         other = ModbusRtu(self._port, unit, timeout=self._timeout, poll=self._poll)
-        other._lock = self._lock
+        other._line = self._line
         return other
 
     async def read_registers(self, address: Whole, count: Whole = 1) -> tuple[int, ...]:
@@ -183,10 +198,33 @@ class ModbusRtu(Uncopied):
         await self._exchange(frames.write(self._unit, _WORD("address", address), words))
 
     async def _exchange(self, request: Request) -> tuple[int, ...]:
-        async with self._lock:
+        line = self._line
+        async with line.lock:
+            await self._wait_out()
             await self._drain()
-            await self._port.write(request.frame)
-            return await self._answer(request)
+            line.owed, line.until = request, time.monotonic() + self._timeout
+            try:
+                await self._port.write(request.frame)
+                line.until = time.monotonic() + self._timeout
+                answer = await self._answer(request)
+            except ModbusError:
+                line.owed = None
+                raise
+            line.owed = None
+            return answer
+
+    async def _wait_out(self) -> None:
+        """Wait until a request that was cancelled is not answered any more."""
+        line = self._line
+        while line.owed is not None and time.monotonic() < line.until:
+            try:
+                await self._answer(line.owed)
+            except ModbusGarbled:  # a part of its answer was taken before
+                continue
+            except ModbusError:
+                pass
+            break
+        line.owed = None
 
     async def _drain(self) -> None:
         """Discard the old bytes in the controller's buffer."""
@@ -199,8 +237,7 @@ class ModbusRtu(Uncopied):
                 )
 
     async def _answer(self, request: Request) -> tuple[int, ...]:
-        due = time.monotonic()
-        until = due + self._timeout
+        due, until = time.monotonic(), self._line.until
         got = b""
         while True:
             # Read no more than the missing bytes: bytes after the answer belong to no request.

@@ -10,6 +10,7 @@ from for_each import for_each
 
 import aioduco
 from aioduco.devices.bus import ModbusRtu, Port
+from aioduco.testing import eventually_async
 
 from .device import Device
 
@@ -55,6 +56,46 @@ async def test_the_late_answer_to_a_cancelled_request_reaches_nobody() -> None:
     assert scope.cancelled_caught
     device.buffer, device.registers[7], device.spoil = STALE, 1234, bytes
     assert await modbus.read_registers(7) == (1234,)
+
+
+@for_each("taken, timeout", [(0, 30.0), (3, 0.3)])
+async def test_an_answer_that_comes_after_the_next_request_reaches_nobody(
+    taken: int, timeout: float
+) -> None:
+    """A read gave another register's value, and a write that was carried out raised an error."""
+    device = Device()
+    device.registers.update({7: 99, 8: 1})
+    polls, left, late = 0, taken, True
+
+    async def read(count: int) -> bytes:
+        nonlocal polls, left
+        await anyio.lowlevel.checkpoint()
+        polls += 1
+        given = await device.read(min(count, left) if late else count)
+        left -= len(given)
+        return given
+
+    async def polled() -> None:
+        before = polls
+        await eventually_async(lambda: polls > before + 3)
+
+    modbus = ModbusRtu(Port(device.write, read), 1, timeout=timeout, poll=0.001)
+    async with anyio.create_task_group() as group:
+        group.start_soon(modbus.read_registers, 7)
+        await polled()
+        group.cancel_scope.cancel()
+    read_ = []
+
+    async def ask() -> None:
+        read_.append(await modbus.read_registers(8))
+
+    async with anyio.create_task_group() as group:
+        group.start_soon(ask)
+        await polled()
+        late = False
+    assert read_ == [(1,)]
+    await modbus.write_register(5, 5)
+    assert device.written == [(5, 5)]
 
 
 async def test_no_answer() -> None:
