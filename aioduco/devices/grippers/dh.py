@@ -110,7 +110,10 @@ class DhGripper(ModbusGripper):
 
     async def _send(self, position: int) -> None:
         self._seen_moving, self._sent_at = False, time.monotonic()
-        await self._modbus.write_register(registers.POSITION, position)
+        try:
+            await self._modbus.write_register(registers.POSITION, position)
+        finally:  # on a slow bus the gripper has it only now
+            self._sent_at = time.monotonic()
 
     async def _halt(self) -> None:
         found = await self.status()

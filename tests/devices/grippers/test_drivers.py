@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import math
+import time
 from typing import Any
 
 import anyio
@@ -102,6 +103,22 @@ async def test_dh_moves_and_grips() -> None:
         *((0x0101, [100]), (0x0104, [100]), (0x0103, [1000])),
         *((0x0101, [20]), (0x0104, [1]), (0x0103, [0])),
     ]
+
+
+async def test_a_slow_bus_gives_no_state_of_the_motion_before() -> None:
+    """A motion was said to be at its end before the fingers had begun to move."""
+    gripper, peer = dh()
+
+    async def slow(data: bytes) -> None:
+        if data[1:4] == b"\x06\x01\x03":
+            begun = time.monotonic()
+            await eventually_async(lambda: time.monotonic() > begun + 0.35)
+        await peer.write(data)
+
+    gripper._modbus._port = Port(slow, peer.read)
+    await gripper.activate()
+    assert (await gripper.open()).width == pytest.approx(0.026)
+    assert (await gripper.close()).holding
 
 
 async def test_the_ag_has_no_register_for_its_speed() -> None:
