@@ -220,7 +220,6 @@ async def _outputs(
     if not changes:
         yield feedback
         return
-    todo = list(changes)
     wake = anyio.Event()
     now = 0.0
 
@@ -231,21 +230,17 @@ async def _outputs(
         if feedback is not None:
             feedback(at)
 
-    async def set_due(until: float) -> None:
-        while todo and todo[0].time <= until:
-            change = todo.pop(0)
-            await robot.io.set_standard_digital_out(change.num, change.value)
-
     error: Exception | None = None
     async with anyio.create_task_group() as tasks:
 
         async def watch() -> None:
             nonlocal wake, error
             try:
-                while True:
-                    await wake.wait()
-                    wake = anyio.Event()
-                    await set_due(now)
+                for change in changes:
+                    while change.time > now:
+                        await wake.wait()
+                        wake = anyio.Event()
+                    await robot.io.set_standard_digital_out(change.num, change.value)
             except DucoError as exc:  # raised below, outside of the group
                 error = exc
                 tasks.cancel_scope.cancel()
@@ -255,10 +250,12 @@ async def _outputs(
             yield told
         except Exception as exc:
             error = exc
-        tasks.cancel_scope.cancel()
+            tasks.cancel_scope.cancel()
+        else:  # what is left is due: it is set before the group ends
+            now = np.inf
+            wake.set()
     if error is not None:
         raise error
-    await set_due(np.inf)
 
 
 # -- waypoints -----------------------------------------------------------------------------------

@@ -35,6 +35,7 @@ from aioduco.recording.playback import (
     RecordedPath,
     WaypointFile,
     play,
+    player,
     read_envelope,
     run_waypoints,
 )
@@ -152,6 +153,32 @@ async def test_outputs_are_set_as_they_were(
         assert path.at(np.array([path.duration]))[0] == pytest.approx(
             list(await robot.state.get_actual_joints_position()), abs=6e-3
         )
+
+
+@pytest.mark.slow
+async def test_an_output_that_a_controller_sets_slowly_is_set_though_the_path_ends(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its call was cancelled as the path ended: play() returned, and the output was not set."""
+    path = RecordedPath.of(read(write(tmp_path / "run.mcap", outputs={1.4: {5: True}})))
+    ended, follow = anyio.Event(), player.follow
+
+    async def followed(*args: Any, **options: Any) -> Any:
+        result = await follow(*args, **options)
+        ended.set()
+        return result
+
+    monkeypatch.setattr(player, "follow", followed)
+    async with led(joints=HOME) as (sim, robot):
+        set_out = robot.io.set_standard_digital_out
+
+        async def slowly(_: object, num: int, value: bool) -> None:
+            await ended.wait()
+            await set_out(num, value)
+
+        monkeypatch.setattr(type(robot.io), "set_standard_digital_out", slowly)
+        await play(robot, path, outputs=True, through="servoj", tolerances=PATIENT)
+        assert sim.get_digital_output(5)
 
 
 @pytest.mark.slow
