@@ -276,17 +276,17 @@ def _eased(times: Array, positions: Array) -> tuple[Array, Array]:
 def _outputs(run: RecordedRun, recorded: Array, times: Array) -> tuple[RecordedOutput, ...]:
     """Changes of the cabinet's outputs in the recorded state, including those that an Op makes."""
     found: list[RecordedOutput] = []
-    before: list[bool] | None = None
+    before: list[bool] = []  # those that were told last: a controller that starts tells none
     for message in run.messages("/io"):
         now = message.data["digital_outputs"]
-        if before is not None and recorded[0] <= message.time <= recorded[-1]:
+        if recorded[0] <= message.time <= recorded[-1]:
             at = float(np.interp(message.time, recorded, times))
             found += [
                 RecordedOutput(at, number, value)
-                for number, (was, value) in enumerate(zip(before, now, strict=True), 1)
+                for number, (was, value) in enumerate(zip(before, now, strict=False), 1)
                 if was != value
             ]
-        before = now
+        before = now or before
     return tuple(found)
 
 

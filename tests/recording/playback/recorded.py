@@ -42,6 +42,7 @@ def write(
     arm: str = "GCR5 910",
     error: float | None = None,
     without: tuple[float, float] = (0.0, 0.0),
+    untold: tuple[float, float] = (0.0, 0.0),
 ) -> Path:
     """Record an arm that does what a function says.
 
@@ -55,6 +56,7 @@ def write(
         arm: what its controller tells.
         error: from when on it has a fault.
         without: a time in which samples are missing.
+        untold: a time in which the controller tells no outputs.
     """
     times = np.arange(0.0, seconds, 1 / RATE) if taken is None else taken
     q = positions(times)
@@ -72,6 +74,7 @@ def write(
             for begin, changed in (outputs or {}).items():
                 for num, level in changed.items():
                     levels[num - 1] = level if at >= begin else levels[num - 1]
+            levels = [] if untold[0] < at < untold[1] else levels
             fault = 7 if error is not None and at >= error else 0
             channels.sample(_snapshot(samples, at + behind, here, speed, levels, fault))
         channels.close()

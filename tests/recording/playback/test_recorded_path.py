@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from for_each import for_each
 
 import aioduco
 from aioduco.envelope import Envelope, ToolSpeed, Zone
@@ -205,6 +206,16 @@ def test_outputs_are_taken_with_their_times(tmp_path: Path) -> None:
     first, second = path.outputs
     assert first.time == pytest.approx((0.8 - path.begin) * 2, abs=0.02)
     assert second.time - first.time == pytest.approx(1.2, abs=0.02)
+
+
+@for_each("untold", [(-1.0, 0.7), (0.7, 1.0), (0.9, 1.2)])
+def test_outputs_that_are_not_told_for_a_while_have_not_changed(
+    tmp_path: Path, untold: tuple[float, float]
+) -> None:
+    """No recording was played whose controller had told no outputs at first."""
+    file = write(tmp_path / f"{untold[0]}.mcap", outputs={0.8: {5: True}}, untold=untold)
+    (change,) = RecordedPath.of(read(file)).outputs
+    assert (change.num, change.value) == (5, True)
 
 
 def kinds(path: RecordedPath, **options: Any) -> list[str]:
