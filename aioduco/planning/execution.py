@@ -115,7 +115,12 @@ async def execute(
             )
         limits = plan.limits
         plan = await planner.plan(
-            here, plan.end, v=limits.velocity, a=limits.acceleration, jerk=limits.jerk
+            here,
+            plan.end,
+            v=limits.velocity,
+            a=limits.acceleration,
+            jerk=limits.jerk,
+            upright=plan.upright,
         )
     raise PlanObstructed(f"the way was not free after {_REPLANS} plans; the arm stands on its way")
 

@@ -80,6 +80,7 @@ class Plan:
         padding: distance that is kept all the way, less than the scene's if the start or the goal
             is closer to something [m].
         fraction: share of a line or an arc that it covers, 0 to 1; 1 for other plans.
+        upright: whether the tool turns about the vertical only.
         searching: processor time that the path took [s].
         timing: processor time that its times took [s].
     """
@@ -94,6 +95,7 @@ class Plan:
     radii: Points = field(repr=False)
     padding: float = 0.0
     fraction: float = 1.0
+    upright: bool = False
     searching: float = 0.0
     timing: float = 0.0
 
@@ -114,6 +116,7 @@ class Plan:
             solution.radii,
             solution.padding,
             solution.fraction,
+            problem.upright,
             solution.searching,
             solution.timing,
         )

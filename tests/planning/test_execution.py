@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
@@ -22,6 +23,7 @@ from PIL import Image
 import aioduco
 from aioduco import FirstPointTooFar, Joints, ParameterError, PlanObstructed, StreamStopped
 from aioduco.cli.app import app
+from aioduco.errors import NoPathFound
 from aioduco.models.ranges import JOINT_SPEED
 from aioduco.planning import Plan, Planner, Scene
 from aioduco.planning.execution import execute
@@ -147,6 +149,38 @@ async def test_a_change_during_the_check_is_checked_too(monkeypatch: pytest.Monk
     assert motion.followed == 1
     assert caught.value.pair is not None
     assert caught.value.pair[1] == "board"
+
+
+async def test_an_upright_tool_stays_upright_on_the_way_round(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """An open cup was tilted by the plan round what had come into its way."""
+    asked: list[dict[str, Any]] = []
+
+    async def plan(*_: object, **options: Any) -> Plan:
+        asked.append(options)
+        raise NoPathFound("it is a test")
+
+    scene = Scene("gcr5_910")
+
+    def appear(_: object) -> None:
+        if "board" not in scene:
+            scene.add(BOARD)
+
+    with Planner(scene) as planner:
+        monkeypatch.setattr(planner, "plan", plan)
+        for upright in (True, False):
+            with pytest.raises(NoPathFound):
+                await execute(
+                    FakeMotion(),
+                    at_start,
+                    dataclasses.replace(straight(scene), upright=upright),
+                    watch=scene,
+                    planner=planner,
+                    feedback=appear,
+                )
+            scene.remove("board")
+    assert [options["upright"] for options in asked] == [True, False]
 
 
 async def test_a_scene_is_watched_while_the_program_has_all_threads_of_anyio() -> None:

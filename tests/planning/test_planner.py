@@ -143,6 +143,7 @@ def test_a_tool_that_is_kept_upright_never_tilts() -> None:
     scene = Scene("gcr5_910", [Box(at=(0.45, 0, 0.15), size=(0.3, 0.04, 0.3), name="low wall")])
     with Planner(scene, tool=(0.0, 0.0, 0.1, 0.0, 0.0, 0.0)) as planner:
         plan = planner.plan_blocking(LEFT, RIGHT, upright=True)
+        assert plan.upright
         assert plan.check(scene)
         first = scene.arm.fkine(LEFT)[:3, :3]
         for time in np.linspace(0.0, plan.duration, 60):
