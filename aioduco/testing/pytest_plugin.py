@@ -344,6 +344,7 @@ async def duco_robot(_duco_line: _Line) -> AsyncIterator[Robot]:
             try:
                 yield robot
             finally:
+                await robot.stop()  # what the test has left moving is not to go on faster
                 await robot.settings.speed(before)
         if line.keeps:
             with contextlib.suppress(DucoError, TimeoutError):
@@ -367,6 +368,7 @@ def duco_sync_robot(_duco_line: _Line) -> Iterator[SyncRobot]:
             try:
                 yield robot
             finally:
+                robot.stop()  # as above
                 robot.settings.speed(before)
         if line.keeps:
             with contextlib.suppress(DucoError, TimeoutError):

@@ -206,6 +206,38 @@ def test_on_an_arm_tests_are_slow_and_those_that_would_fault_it_are_skipped(tmp_
     assert "without -n" in said
 
 
+_LEFT_MOVING = """
+async def test_bad(duco_robot):
+    await duco_robot.motion.movej2([1.0] * 6, v=0.5, a=1.0).start()
+    assert not "as it should be"
+
+
+def test_bad_too(duco_sync_robot):
+    duco_sync_robot.motion.movej2([0.0] * 6, v=0.5, a=1.0).start()
+    assert not "as it should be"
+"""
+
+
+@pytest.mark.slow
+def test_an_arm_that_a_test_leaves_moving_is_stopped_before_its_speed_is_put_back(
+    tmp_path: Path,
+) -> None:
+    """It went on, faster, until its robot was closed."""
+    (tmp_path / "test_program.py").write_text(_LEFT_MOVING)
+    with Simulator() as sim, FaultProxy(sim.host, sim.port) as proxy:
+        done = python(
+            *("-m", "pytest", "-p", "no:cacheprovider", "-o", "asyncio_mode=auto", *SCOPE),
+            *("--duco-host", f"{proxy.host}:{proxy.port}", str(tmp_path)),
+            cwd=tmp_path,
+        )
+        assert "2 failed" in done.stdout, done.stdout + done.stderr
+        said = [call.method for call in proxy.calls() if call.method in ("movej2", "speed", "stop")]
+    first = said[said.index("movej2") :]
+    assert first.index("stop") < first.index("speed"), said
+    second = first[first.index("movej2", 1) :]
+    assert second.index("stop") < second.index("speed"), said
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("options", "says"),
