@@ -63,7 +63,7 @@ class ToolDescription:
     inertia: Sequence[float] | None = None
 
     def __post_init__(self) -> None:
-        Pose.of(self.tcp)
+        ranges.POSE("tcp", self.tcp)
         stored(self, mass=ranges.FROM_0)
         _THREE("centre", self.centre)
         if self.inertia is not None:

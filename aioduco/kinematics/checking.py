@@ -15,6 +15,7 @@ from aioduco.kinematics.catalogue import arm_given
 from aioduco.kinematics.forward import singular_values
 from aioduco.models.bounds import least, most, shown
 from aioduco.models.pose import Joints, JointsLike, Pose, PoseLike
+from aioduco.models.ranges import POSE
 from aioduco.models.rules import Number
 
 if TYPE_CHECKING:
@@ -128,8 +129,8 @@ def check(
     singular = Number(0.0, 1.0, source="this package")("singular", singular)
     most_turn = _MOST_TURN("most_turn", most_turn)
     named = _named(points)
-    to_tip = Pose(0, 0, 0, 0, 0, 0) if tool is None else Pose.of(tool)
-    base = Pose(0, 0, 0, 0, 0, 0) if wobj is None else Pose.of(wobj)
+    to_tip = Pose(0, 0, 0, 0, 0, 0) if tool is None else Pose(*POSE("tool", tool))
+    base = Pose(0, 0, 0, 0, 0, 0) if wobj is None else Pose(*POSE("wobj", wobj))
     before = Joints.of(near)
     reached: list[Joints | None] = []
     findings: list[Finding] = []
@@ -139,7 +140,7 @@ def check(
             q, why = point, _outside(model, point)
             found = [(Problem.LIMIT, why)] if why else []
         else:
-            flange = base @ Pose.of(point) @ to_tip.inverse()
+            flange = base @ Pose(*POSE(f"points[{name!r}]", point)) @ to_tip.inverse()
             q, found = _reached(model, flange, before)
         if q is not None:
             found += _passed(model, before, q, singular, most_turn)

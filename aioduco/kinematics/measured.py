@@ -9,6 +9,7 @@ import numpy as np
 
 from aioduco.errors import ParameterError
 from aioduco.models.pose import Pose
+from aioduco.models.ranges import POSE
 
 if TYPE_CHECKING:
     from aioduco.models.rotation import Array
@@ -59,12 +60,15 @@ def rigid_frames(name: str, given: Any, each: str) -> Array:
         expected = f"in {each} {number} a rigid frame of shape (4, 4), or a pose"
         try:
             numbers = one if isinstance(one, Pose) else np.asarray(one, dtype=np.float64)
-            frame = Pose.of(numbers).matrix if np.shape(numbers) != (4, 4) else np.array(numbers)
+            pose = None if np.shape(numbers) == (4, 4) else Pose.of(numbers)
+            frame = np.array(numbers) if pose is None else pose.matrix
         except (TypeError, ValueError, OverflowError) as error:
             told = (
                 f"None: leave out every {each} without one" if one is None else type(one).__name__
             )
             raise ParameterError(name, told, expected) from error
+        if pose is not None:
+            POSE(f"{name}[{number}]", pose)
         turn = frame[:3, :3]
         if not (
             np.isfinite(frame).all()

@@ -105,7 +105,7 @@ class Planner(Closable):
             raise ParameterError("scene", scene, "a Scene")
         seed = _SEED("seed", seed)
         self.scene = scene
-        self._tip = np.eye(4) if tool is None else Pose.of(tool).matrix
+        self._tip = np.eye(4) if tool is None else Pose(*POSE("tool", tool)).matrix
         self._seed = seed
         self._lock = threading.Lock()
         self._process: LinkedProcess | None = None

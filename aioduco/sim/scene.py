@@ -19,7 +19,7 @@ from aioduco.errors import ParameterError, SceneError
 from aioduco.kinematics.mjcf_elements import numbers, placed
 from aioduco.kinematics.mounting import MountingLike, base_in_world
 from aioduco.models.pose import Pose, PoseLike
-from aioduco.models.ranges import OWN_NAME_OR_NONE
+from aioduco.models.ranges import OWN_NAME_OR_NONE, POSE
 from aioduco.models.rules import Number, Vector, ordered, stored
 
 if TYPE_CHECKING:
@@ -313,11 +313,11 @@ def _sprung(
 
 
 def _pose(at: PoseLike) -> Pose:
-    given = ordered("at", at, "three numbers [m], or a pose of six [m, rad]")
-    try:
-        return Pose.of([*given, 0.0, 0.0, 0.0] if len(given) == 3 else given)
-    except ParameterError as exc:
-        raise ParameterError("at", at, exc.expected) from exc
+    expected = "three numbers [m], or a pose of six [m, rad]"
+    given = ordered("at", at, expected)
+    if len(given) not in (3, 6):
+        raise ParameterError("at", at, expected)
+    return Pose(*POSE("at", [*given, 0.0, 0.0, 0.0][:6]))
 
 
 SceneLike: TypeAlias = str | os.PathLike[str] | Sequence[Thing]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -11,9 +12,10 @@ from for_each import for_each
 from interpreter import python
 
 from aioduco import Joints, ParameterError, SceneError
+from aioduco.descriptions import ToolDescription
 from aioduco.kinematics import arm as arm_of
-from aioduco.kinematics import models
-from aioduco.planning import Ground, Mesh, PointCloud, Scene
+from aioduco.kinematics import calibrate_tool_tip, check, models
+from aioduco.planning import Ground, Mesh, Planner, PointCloud, Scene
 from aioduco.sim import Simulator
 from aioduco.sim.physics.world import World
 from aioduco.sim.scene import Box, Cylinder, Rod, Sphere, mjcf_of
@@ -267,6 +269,25 @@ def test_a_thing_is_moved_to_no_place_that_is_none(at: Any) -> None:
     with pytest.raises(ParameterError, match="at"):
         scene.move("box", at)
     assert scene.revision == 1
+
+
+@for_each(
+    "give",
+    [
+        lambda pose: Box(at=pose),
+        lambda pose: Scene("gcr5_910", [Box(name="box")]).move("box", pose),
+        lambda pose: Planner(Scene("gcr5_910"), tool=pose),
+        lambda pose: ToolDescription(tcp=pose),
+        lambda pose: check([pose], arm="gcr5_910", near=[0.0] * 6),
+        lambda pose: check([], arm="gcr5_910", near=[0.0] * 6, tool=pose),
+        lambda pose: check([], arm="gcr5_910", near=[0.0] * 6, wobj=pose),
+        lambda pose: calibrate_tool_tip([pose] * 6),
+    ],
+)
+def test_a_pose_in_degrees_is_refused(give: Callable[[list[float]], object]) -> None:
+    """A thing, or a tool, was turned by another angle: plans led through it."""
+    with pytest.raises(ParameterError, match="radians, not degrees"):
+        give([0.5, 0.0, 0.3, 0.0, 0.0, 90.0])
 
 
 _MANY_THREADS = """
