@@ -284,3 +284,27 @@ def test_a_program_that_waits_notices_it_between_motions() -> None:
         eventually(lambda: hand._silent)
         with pytest.raises(errors.HoldUnknown, match="did not answer"):
             gripper.check_held()
+
+
+async def test_errors_of_ones_own_driver_stand_for_no_cancellation_and_no_time_out() -> None:
+    """A cancellation came out as the error of the driver, and that as one of another time-out."""
+
+    class Gone(Hand):
+        async def _go(self, width: float, speed: float, force: float) -> None:
+            del width, speed
+            if force:
+                raise TimeoutError("the port does not answer")
+            await anyio.sleep_forever()
+
+        async def _halt(self) -> None:
+            raise OSError("the port is gone")
+
+    gripper = Gone(model=PARALLEL._replace(force=(0.0, 10.0)))
+    with anyio.move_on_after(0.02) as scope:
+        await gripper.close(force=0.0)
+    assert scope.cancelled_caught
+    with pytest.raises(TimeoutError, match="the port does not answer"):
+        await gripper.close(force=10.0)
+    gripper._timeout = 0.02
+    with pytest.raises(errors.GripperTimeout, match="could not be halted"):
+        await gripper.close(force=0.0)
