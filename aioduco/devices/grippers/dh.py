@@ -48,6 +48,8 @@ class DhGripper(ModbusGripper):
 
     _seen_moving = True
     _sent_at = 0.0
+    #: the position that was sent last
+    _target = 0
 
     async def status(self) -> DhState:
         """Read the gripper's raw state.
@@ -109,7 +111,7 @@ class DhGripper(ModbusGripper):
         await self._send(round(width / self.model.stroke * registers.OPEN))
 
     async def _send(self, position: int) -> None:
-        self._seen_moving, self._sent_at = False, time.monotonic()
+        self._seen_moving, self._sent_at, self._target = False, time.monotonic(), position
         try:
             await self._modbus.write_register(registers.POSITION, position)
         finally:  # on a slow bus the gripper has it only now
@@ -118,7 +120,9 @@ class DhGripper(ModbusGripper):
     async def _halt(self) -> None:
         found = await self.status()
         # There is no register that stops the gripper: its present position becomes the target.
-        if found.grip is not registers.DhGrip.CAUGHT:
+        # A gripper that has not begun to open still tells of the object that it holds.
+        opens = not self._seen_moving and self._target > found.position
+        if opens or found.grip is not registers.DhGrip.CAUGHT:
             await self._send(found.position)
 
 

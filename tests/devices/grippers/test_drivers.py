@@ -247,6 +247,28 @@ async def test_dh_is_halted_where_it_is_or_not_said_to_be(
     assert (peer.written[-1] == (0x0103, [777])) is halts
 
 
+async def test_a_dh_that_is_to_open_is_halted_before_it_has_begun() -> None:
+    """The state was that of the motion before: fingers opened after the cancellation."""
+    gripper, peer = dh()
+    async with gripper:
+        await gripper.activate()
+        assert (await gripper.close()).holding
+        opens, write = anyio.Event(), peer.write
+
+        async def seen(data: bytes) -> None:
+            await write(data)
+            if data[1:4] == b"\x06\x01\x03":
+                peer.before_read = lambda _: None  # it holds the object still
+                opens.set()
+
+        gripper._modbus._port = Port(seen, peer.read)
+        async with anyio.create_task_group() as group:
+            group.start_soon(gripper.open)
+            await opens.wait()
+            group.cancel_scope.cancel()
+    assert peer.written[-1] == (0x0103, [400])
+
+
 async def test_an_object_that_is_lost_ends_what_is_awaited() -> None:
     gripper, peer = robotiq()
     async with gripper:
