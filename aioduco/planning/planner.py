@@ -21,7 +21,13 @@ from aioduco.models.ranges import POSE
 from aioduco.models.rules import Integer, Number
 from aioduco.planning.motion_limits import MotionLimits
 from aioduco.planning.plan import Plan
-from aioduco.planning.problem import GoalLike, PlanningProblem, Solution, goals_of
+from aioduco.planning.problem import (
+    GoalLike,
+    PlanningProblem,
+    Solution,
+    WorkerScene,
+    goals_of,
+)
 from aioduco.planning.toolpath import poses_along
 
 if TYPE_CHECKING:
@@ -320,8 +326,12 @@ class Planner(Closable):
                 process.channel.receive()
                 process.channel.send(self._seed)
                 self._seeded = True
-            self._send_scene(process, request.scene)
+            unsent = self._unsent(request.scene)
             asked = True
+            if unsent is not None:
+                revision, values = unsent
+                process.channel.send(values)
+                self._sent = request.scene, revision
             process.channel.send(problem)
             overdue.start()
             answer = process.channel.receive()
@@ -333,6 +343,8 @@ class Planner(Closable):
             why = said or "it said nothing"
             raise PlanningError(f"the planner's process has ended ({why}); plan again") from error
         finally:
+            if asked and self._process is process:  # first: Ctrl-C may come again
+                self._process = None
             request.finish()
             overdue.cancel()
             if overdue.ident is not None:
@@ -343,15 +355,13 @@ class Planner(Closable):
                 self._discard(process)
         return answer
 
-    def _send_scene(self, process: LinkedProcess, scene: Scene) -> None:
-        """Send a scene, unless the process has it."""
+    def _unsent(self, scene: Scene) -> tuple[int, WorkerScene] | None:
+        """A scene for the process, with its revision; None if the process has it."""
         if self._sent is not None:
             sent, revision = self._sent
             if sent is scene and revision == scene.revision:
-                return
-        revision, values = scene.for_worker()
-        process.channel.send(values)
-        self._sent = scene, revision
+                return None
+        return scene.for_worker()
 
     def _start(self) -> LinkedProcess:
         try:

@@ -225,3 +225,36 @@ def test_a_change_while_the_scene_is_compiled_is_sent_with_the_next_plan(
     (process,) = processes
     assert len(process.scenes) == 2
     assert process.scenes[0] < process.scenes[1]
+
+
+@pytest.mark.parametrize("where", ["send", "receive"])
+def test_ctrl_c_leaves_no_process_that_is_at_another_problem(
+    processes: list[Process], monkeypatch: pytest.MonkeyPatch, where: str
+) -> None:
+    """The next plan was the answer to the one before, or its request began within another."""
+
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    def sent(self: Process, value: object) -> None:
+        send(self, value)
+        if isinstance(value, WorkerScene):
+            raise KeyboardInterrupt
+
+    send = Process.send
+    with Planner(Scene()) as planning:
+        with monkeypatch.context() as patch:
+            if where == "send":
+                patch.setattr(Process, "send", sent)
+            else:  # and again, while the first one is dealt with
+                patch.setattr(
+                    Process, "receive", lambda self: interrupted() if self.problems else None
+                )
+                patch.setattr(threading.Timer, "join", interrupted)
+            with pytest.raises(KeyboardInterrupt):
+                planning.plan_blocking(HERE, HERE, timeout=1.0)
+        Process.may_answer.set()
+        with pytest.raises(NoPathFound, match="answer 2"):
+            planning.plan_blocking(HERE, HERE, timeout=2.0)
+    assert processes[-1].problems == [2.0]
+    assert len(processes) == 2
