@@ -127,7 +127,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 #: whether each process collects a part of the files, and which
 _divided, _own = pytest.StashKey[bool](), pytest.StashKey[set[Path]]()
-#: whether simulators have a user's times now
+#: whether simulators have a user's cycle now
 _real = pytest.StashKey[bool]()
 
 
@@ -165,8 +165,10 @@ def _prepare(*, all_of_it: bool, late: float | None) -> None:
     if late is not None:
         import_module("late").answer_late(late)
     give_each_once()
+    times = import_module("cycle_time")
+    times.set_power_times(times.SHORT)
     if not all_of_it:
-        import_module("cycle_time").set_times(real=False)
+        times.set_cycle(times.COARSE)
 
 
 def _draw_no_constants() -> None:
@@ -208,14 +210,14 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtest_setup(item: pytest.Item) -> None:
-    """In the thorough run, have the times for a test's folder before any fixture is made."""
+    """In the thorough run, have the cycle for a test's folder before any fixture is made."""
     if not item.config.getoption("thorough"):
         return
     times = import_module("cycle_time")
     real = item.nodeid.removeprefix("tests/").startswith(times.REAL)
     if item.config.stash.get(_real, None) is not real:
         item.config.stash[_real] = real
-        times.set_times(real=real)
+        times.set_cycle(times.FINE if real else times.COARSE)
 
 
 @pytest.hookimpl(wrapper=True)

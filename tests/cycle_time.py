@@ -12,24 +12,16 @@ from aioduco.sim.simulator import CYCLE
 
 #: What is not about the simulator needs no finer cycle, and it takes less of the computer [s].
 COARSE = 0.004
+#: that of a user [s]
+FINE = CYCLE
 #: What is not about the simulator need not wait for its power: how long these last [s].
 SHORT = {"power_on": 0.05, "enable": 0.03}
 #: how long they last for a user [s]; both have one step
 USUAL = {name: CHANGES[name].steps[0][0] for name in SHORT}
 
-#: beginnings of the paths of tests that have a user's times in the thorough run: those of the
-#: simulator itself, of what is promised whatever happens, of what the pages show, and of points
-#: that are followed closely
-REAL = (
-    *("adversity/", "explore/", "hostile/", "manual/test_examples"),
-    *("pages/", "recording/playback/test_player", "shipped/", "sim/"),
-)
-
-
-def set_times(*, real: bool) -> None:
-    """Let simulators of this process have a user's times from now on, or these."""
-    set_cycle(CYCLE if real else COARSE)
-    set_power_times(USUAL if real else SHORT)
+#: beginnings of the paths of tests that have a user's cycle in the thorough run: those of the
+#: simulator itself, of what the pages show, and of points that are followed closely
+REAL = ("manual/test_examples", "pages/", "recording/playback/test_player", "sim/")
 
 
 def set_cycle(seconds: float) -> float:
