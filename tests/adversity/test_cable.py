@@ -20,6 +20,7 @@ from aioduco.errors import (
 )
 from aioduco.models.enums import Outcome
 from aioduco.sim import Simulator
+from aioduco.supervision import task_follower
 from aioduco.supervision.settings import GuardKind
 from aioduco.testing import Ending, FaultProxy, eventually_async
 
@@ -31,6 +32,8 @@ pytestmark = pytest.mark.usefixtures("guards")
 
 #: s
 HEARTBEAT = 1.0
+#: s after which a task is lost, once no answer can come: patience would be in vain
+LOST = 2.0
 
 
 @pytest.fixture
@@ -104,11 +107,16 @@ def cut(proxy: FaultProxy) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(("pull", "guard"), [(freeze, None), (cut, "process")])
 async def test_for_good(
-    sim: Simulator, proxy: FaultProxy, pull: Callable[[FaultProxy], None], guard: GuardKind | None
+    sim: Simulator,
+    proxy: FaultProxy,
+    pull: Callable[[FaultProxy], None],
+    guard: GuardKind | None,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     async def program() -> None:
         async with moving(sim, proxy, guard) as (robot, task):
             pull(proxy)
+            monkeypatch.setattr(task_follower, "LOST_AFTER", LOST)
             # what the heartbeat is for
             await eventually_async(lambda: idle(sim) and not sim.moving, what=lambda: unrest(sim))
             with pytest.raises(TaskError):
@@ -165,7 +173,7 @@ async def test_for_longer_than_the_heartbeat(
 @pytest.mark.slow
 @BOTH
 async def test_the_error_comes_as_soon_as_the_controller_has_stopped_the_arm(
-    sim: Simulator, proxy: FaultProxy, guard: GuardKind | None
+    sim: Simulator, proxy: FaultProxy, guard: GuardKind | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Not only when no stop was accepted in its time; what is sent next waits for the stop.
 
@@ -178,6 +186,7 @@ async def test_the_error_comes_as_soon_as_the_controller_has_stopped_the_arm(
         task = await robot.motion.movej2(LEFT, v=0.2, a=4.0).start()
         await eventually_async(lambda: sim.moving)
         cut(proxy)
+        monkeypatch.setattr(task_follower, "LOST_AFTER", LOST)
         try:
             with pytest.raises(TaskUnknown) as caught:
                 await task
