@@ -15,7 +15,7 @@ from .shell_mutations import SHELL_MUTATIONS
 @pytest.mark.slow
 @pytest.mark.parametrize("program", ALL, ids=lambda kind: kind.__name__)
 def test_the_promise_holds_in_all_runs(program: type[Program]) -> None:
-    found = tried(program)
+    found = tried(program, 1)  # `.ci/explore`, which the gate runs, tries two of some programs
     print(program.__name__, found)  # noqa: T201
     assert not found.broken, str(found)
 
