@@ -37,12 +37,10 @@ _CELLS = [
     Cell("servo", "worker", "3", guarded=True),
     Cell("speed", "all-but-guard", "1", guarded=True),
     Cell("realtime", "worker", "3", guarded=False),
-    Cell("plan", "all", "3", guarded=True),
     Cell("jog", "all", "3", guarded=False),
     Cell("force", "program", "3", guarded=True),
     *(
         [
-            Cell("servo", "all", "suspended", guarded=False),
             Cell("speed", "all", "suspended", guarded=True),
             Cell("play", "all", "suspended", guarded=False),
         ]
