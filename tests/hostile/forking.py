@@ -1,10 +1,10 @@
-"""A program that moves the arm, forks in the middle of it, and leaves its robot.
+"""A program that moves the arm, forks in the middle of it, and leaves its robot; again and again.
 
-    python forking.py HOST PORT GUARD LOOP CHILD
+    python forking.py HOST PORT GUARD LOOP CHILD...
 
 GUARD is "process" or "". LOOP is "asyncio" or "uvloop". CHILD is what the forked child does: one of
-`CHILDREN`. The program writes one line of JSON: what its child wrote, the child's exit code, and
-what came of its own motions.
+`CHILDREN`. For each of them the program opens a robot, and writes one line of JSON: the child's
+exit code, and what came of its own motions.
 """
 
 from __future__ import annotations
@@ -136,7 +136,8 @@ async def main(host: str, port: int, guard: str, child: str) -> None:
 if __name__ == "__main__":
     # whoever waits in vain for this program ends it by SIGABRT, and reads where it was
     faulthandler.enable()
-    _, given_host, given_port, given_guard, given_loop, given_child = sys.argv
+    _, given_host, given_port, given_guard, given_loop, *given_children = sys.argv
     factory = uvloop.new_event_loop if given_loop == "uvloop" else asyncio.new_event_loop
     with asyncio.Runner(loop_factory=factory) as runner:
-        runner.run(main(given_host, int(given_port), given_guard, given_child))
+        for one in given_children:
+            runner.run(main(given_host, int(given_port), given_guard, one))

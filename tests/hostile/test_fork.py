@@ -39,18 +39,18 @@ class Ended:
     """How the program ended."""
 
     code: int
-    told: dict[str, Any]
+    told: list[dict[str, Any]]
     errors: str
 
 
-def run(bench: Bench, folder: Path, guard: str, loop: str, child: str, **options: Any) -> Ended:
+def run(bench: Bench, folder: Path, guard: str, loop: str, *child: str, **options: Any) -> Ended:
     """The program, from its start to its end; one that hangs says where it does."""
     out, errors = folder / "out", folder / "errors"
     with out.open("w") as told, errors.open("w") as complaints:
         program = subprocess.Popen(
             [
                 *(sys.executable, str(Path(forking.__file__))),
-                *(bench.host, str(bench.port), guard, loop, child),
+                *(bench.host, str(bench.port), guard, loop, *child),
             ],
             stdout=told,
             stderr=complaints,
@@ -64,36 +64,33 @@ def run(bench: Bench, folder: Path, guard: str, loop: str, child: str, **options
             os.killpg(program.pid, signal.SIGABRT)
             program.wait()
             pytest.fail(f"the program hung:\n{errors.read_text()}")
-    text = out.read_text()
-    return Ended(code, json.loads(text) if text else {}, errors.read_text())
+    lines = out.read_text().splitlines()
+    return Ended(code, [json.loads(line) for line in lines], errors.read_text())
 
 
-def undisturbed(bench: Bench, ended: Ended) -> None:
-    """The robot did what its own program wanted, and nothing else."""
+def undisturbed(bench: Bench, ended: Ended, robots: int = 1) -> None:
+    """The robots did what their own program wanted, and nothing else."""
     assert ended.code == 0, ended.errors
-    assert ended.told["task"] == "finished"
-    assert ended.told["again"] == "finished"
-    assert bench.commands == ["movej2", "movej2", "movej2", "stop"]
+    assert [(told["task"], told["again"]) for told in ended.told] == [("finished",) * 2] * robots
+    assert bench.commands == ["movej2", "movej2", "movej2", "stop"] * robots
     assert not bench.moving()
 
 
-#: each pair of a child, a loop and a guard
-PAIRS = [
-    (child, guard, ("asyncio", "uvloop")[(index + bool(guard)) % 2])
-    for index, child in enumerate([*forking.CHILDREN, "multiprocessing"])
-    for guard in ("", "process")
-]
+#: what the children do, of which each guard has half with either loop
+ENDING = [*forking.CHILDREN, "multiprocessing"]
 
 
-@pytest.mark.parametrize(("child", "guard", "loop"), PAIRS)
+@LOOPS
+@GUARDS
 def test_a_forked_child_that_ends_leaves_its_parents_robot_alone(
-    bench: Bench, tmp_path: Path, guard: str, loop: str, child: str
+    bench: Bench, tmp_path: Path, guard: str, loop: str
 ) -> None:
-    if sys.version_info >= (3, 14) and child in {"leave", "forget"}:
-        pytest.skip("from Python 3.14 on, sys.exit in a coroutine ends no forked child")
-    ended = run(bench, tmp_path, guard, loop, child)
-    undisturbed(bench, ended)
-    assert ended.told["child"] == forking.CODE, ended.errors
+    children = ENDING[(loop == "uvloop") ^ (guard == "process") :: 2]
+    if sys.version_info >= (3, 14):  # from there on, sys.exit in a coroutine ends no forked child
+        children = [child for child in children if child not in {"leave", "forget"}]
+    ended = run(bench, tmp_path, guard, loop, *children)
+    undisturbed(bench, ended, len(children))
+    assert [told["child"] for told in ended.told] == [forking.CODE] * len(children), ended.errors
     assert "Traceback" not in ended.errors
 
 
