@@ -14,12 +14,14 @@ from __future__ import annotations
 
 import asyncio
 import faulthandler
+import gc
 import os
 import sys
 from types import FrameType
 from typing import Any
 
 import aioduco
+from aioduco.robot import _load_needed
 
 
 class Interruption:
@@ -73,7 +75,8 @@ if __name__ == "__main__":
     # whoever waits in vain for this program ends it by SIGABRT, and reads where it was
     faulthandler.enable()
     _, given_host, given_port, files = sys.argv
-    aioduco.connect(given_host, int(given_port))  # loads what it takes
+    _load_needed()
+    gc.freeze()  # or each fork looks through, and copies, all of it
     for line in sys.stdin:
         child = os.fork() if hasattr(os, "fork") else 0
         if not child:
