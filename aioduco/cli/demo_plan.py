@@ -133,8 +133,6 @@ def save_pictures(plan: Plan, scene: Scene, folder: Path, console: SafeConsole) 
     except RenderError as error:
         console.print(f"no pictures: {error}", highlight=False)
         return
-    with writing(folder):
-        folder.mkdir(parents=True, exist_ok=True)
     for name, picture in drawn.items():
         path = folder / f"demo-{name}.png"
         with writing(path), whole_file(path) as file:
@@ -150,6 +148,9 @@ def run_planned(model: str, result: Path | None, pictures: Path | None) -> None:
     """Plan and carry out ways round an obstacle, on a simulated arm."""
     arm = extras.arm(model)
     console = SafeConsole(stderr=result == OUTPUT)
+    if pictures is not None:
+        with writing(pictures):
+            pictures.mkdir(parents=True, exist_ok=True)
     with (
         ended_by_errors(),
         Simulator.spawn(model=model, joints=LEFT_THERE, scene=[obstacle(arm)]) as sim,
