@@ -28,7 +28,6 @@ async def main(host: str, port: int, run_in: Literal["process", "thread"]) -> No
     options = WorkerOptions(run_in=run_in, timeout=20.0, away_limit=20.0)
     async with aioduco.connect(host, port, heartbeat=30.0, loop_stall_limit=20.0) as robot:
         await robot.bring_up()
-        await robot.motion.movej2(START, v=1.0, a=2.0)
         async with robot.servo.joints(v=1.0, a=4.0, rate=125.0, options=options) as stream:
             for n in range(COUNT):
                 await stream.send([2e-4 * n, *START[1:]])

@@ -17,7 +17,7 @@ from hostile import fork_in_stream
 
 @pytest.fixture
 def sim() -> Iterator[Simulator]:
-    with no_leaks(), Simulator() as sim:
+    with no_leaks(), Simulator(joints=fork_in_stream.START) as sim:
         yield sim
 
 
