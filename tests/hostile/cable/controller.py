@@ -14,6 +14,7 @@ from typing import Any
 from unittest.mock import patch
 
 import numpy as np
+from cycle_time import COARSE
 
 import aioduco.sync
 from aioduco.sim import Simulator
@@ -22,8 +23,6 @@ from aioduco.sim.cycle import DriveCommand, SensedState
 
 from .lines import say
 
-#: duration of the simulator's cycles [s]: it is to keep up beside others on a busy machine
-CYCLE = 0.004
 #: way from where the arm rested after which it has begun to move [rad]; less is swinging out
 _BEGUN = 1e-3
 #: what a moving arm goes at least [rad], in this time [s]; less is resting
@@ -92,7 +91,7 @@ def _text(joints: Any) -> str:
 def main() -> None:
     with (
         patch("aioduco.sim.assembly.Controller", RecordingController),
-        Simulator(host="0.0.0.0", speed=200.0, cycle=CYCLE) as sim,
+        Simulator(host="0.0.0.0", speed=200.0, cycle=COARSE) as sim,
     ):
         with aioduco.sync.connect("127.0.0.1", sim.port, heartbeat=None) as robot:
             robot.bring_up()
