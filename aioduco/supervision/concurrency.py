@@ -30,6 +30,7 @@ from __future__ import annotations
 import asyncio
 import threading
 import time
+from collections.abc import Coroutine
 from queue import SimpleQueue
 from typing import TYPE_CHECKING, Any, Self, TypeVar
 
@@ -41,7 +42,7 @@ from aioduco._wire.owner_loop import loop_callback
 from aioduco.errors import DucoError
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Coroutine
+    from collections.abc import Awaitable, Callable, Generator
 
 
 #: time between two moments of `on_grid` [s]
@@ -338,7 +339,7 @@ class BackgroundTasks:
             then: called when it has ended, also if it was cancelled before it began. In that case
                 not even its `finally` runs, and a task that waits for it would wait for ever.
         """
-        task = asyncio.get_running_loop().create_task(work, name=name)
+        task = asyncio.get_running_loop().create_task(_Watched(work), name=name)
         self._tasks.add(task)
         if then is not None:
             task.add_done_callback(lambda _: then())
@@ -389,7 +390,39 @@ class BackgroundTasks:
                 _log.error("%s failed", task.get_name(), exc_info=error)
 
 
+class _Watched(Coroutine[Any, Any, object]):
+    """A coroutine that knows what it awaits; its task does not tell.
+
+    Args:
+        work: the coroutine.
+    """
+
+    __slots__ = ("_work", "awaited")
+
+    def __init__(self, work: Coroutine[Any, Any, object]) -> None:
+        self._work = work
+        #: what it waits for, as its task sees it
+        self.awaited: object = None
+
+    def __await__(self) -> Generator[Any, Any, object]:
+        return self._work.__await__()
+
+    def send(self, value: object) -> object:
+        """Go on until the next await, whose future this returns."""
+        self.awaited = awaited = self._work.send(value)
+        return awaited
+
+    def throw(self, *error: Any) -> object:
+        """Raise an error where it waits, and go on as `send` does."""
+        self.awaited = awaited = self._work.throw(*error)
+        return awaited
+
+    def close(self) -> None:
+        """End it where it waits."""
+        self._work.close()
+
+
 def _to_be_woken(task: asyncio.Task[Any]) -> bool:
     """Whether what the task awaits is over, so that its turn comes next, or was lost."""
-    awaited: asyncio.Future[Any] | None = getattr(task, "_fut_waiter", None)
-    return awaited is not None and awaited.done()
+    awaited = getattr(task.get_coro(), "awaited", None)
+    return isinstance(awaited, asyncio.Future) and awaited.done()
