@@ -214,7 +214,8 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
     if not item.config.getoption("thorough"):
         return
     times = import_module("cycle_time")
-    real = item.nodeid.removeprefix("tests/").startswith(times.REAL)
+    many = item.config.getoption("faults") > _FAULTS[True]  # as .ci/adversity has them
+    real = item.nodeid.removeprefix("tests/").startswith(times.REAL + ("adversity/",) * many)
     if item.config.stash.get(_real, None) is not real:
         item.config.stash[_real] = real
         times.set_cycle(times.FINE if real else times.COARSE)
