@@ -10,7 +10,7 @@ import warnings
 import weakref
 from collections import deque
 from contextvars import copy_context
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
 
 import anyio
 from anyio import current_effective_deadline
@@ -35,6 +35,9 @@ if TYPE_CHECKING:
     from aioduco._process.trial import Trial
 
 _CLOSED: Final = "its lane was closed"
+
+#: a function of the wire, and its arguments
+Question: TypeAlias = tuple[str, tuple[Any, ...]]
 
 
 class LaneStatistics(NamedTuple):
@@ -323,7 +326,7 @@ class WireLane:
             call.abandon()
             raise
 
-    async def ask(self, *questions: tuple[str, tuple[Any, ...]]) -> list[codec.ReadResult]:
+    async def ask(self, *questions: Question) -> list[codec.ReadResult]:
         """Call functions that only read, in one batch on one connection.
 
         The calls are sent in one piece; the controller reads and answers them in their order, as

@@ -32,10 +32,10 @@ from aioduco.supervision.concurrency import Alarm, BackgroundTasks, every, on_gr
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from aioduco._wire.lane import WireLane
+    from aioduco._wire.codec import ReadResult
+    from aioduco._wire.lane import Question, WireLane
     from aioduco._wire.owner_loop import OwnerLoop
     from aioduco.models.samples import Samples
-    from aioduco.supervision.task_follower import TaskFollower
 
 
 _SIZE = Integer(1, 2**31 - 1, source="this package")
@@ -226,7 +226,8 @@ class StateFeed(Uncopied, MisspeltRefused):
         samples: makes samples.
         background: runs the feed.
         rate: samples per second [Hz].
-        follower: follows the robot's tasks, whose states come with the samples.
+        along: gets the seconds until the next sample; returns what is asked along with this one,
+            and what is called with the answer, or None.
     """
 
     def __init__(
@@ -235,12 +236,12 @@ class StateFeed(Uncopied, MisspeltRefused):
         samples: Samples,
         background: BackgroundTasks,
         rate: float,
-        follower: TaskFollower,
+        along: Callable[[float], tuple[Question, Callable[[ReadResult], object]] | None],
     ) -> None:
         self._lane = lane
         self._samples = samples
         self._background = background
-        self._follower = follower
+        self._along = along
         self._subscriptions: list[Subscription[Snapshot]] = []
         self._latest: Snapshot | None = None
         self._error: DucoError | None = None
@@ -454,11 +455,11 @@ class StateFeed(Uncopied, MisspeltRefused):
     async def _read(self) -> Snapshot:
         wanted = self.forces or self.force_readers
         questions = _STATE + _FORCES if wanted else _STATE
-        if (task := self._follower.due_before(1.0 / self._rate)) is not None:
-            questions = (*questions, ("get_noneblock_taskstate", (task.id,)))
+        if (along := self._along(1.0 / self._rate)) is not None:
+            questions = (*questions, along[0])
         states_, status_, io_, *rest = await self._lane.ask(*questions)
-        if task is not None:
-            self._follower.told(task, rest.pop())
+        if along is not None:
+            along[1](rest.pop())
         states = self._samples.states(states_.get(), states_.at)
         status = self._samples.status(status_.get(), status_.at)
         if io_.error is not None:

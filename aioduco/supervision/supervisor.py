@@ -197,7 +197,7 @@ class Supervisor:
         self.dispatcher: Dispatcher = Dispatcher(self._motion_lane, self.stop_coordinator, settings)
         self.feed: StateFeed = StateFeed(
             *(self._feed_lane, self.samples, self._background, settings.state_rate),
-            self.stop_coordinator.follower,
+            self.stop_coordinator.follower.due_before,
         )
         self.events: Events = Events(
             *(self.feed, self._feed_lane, self._background),

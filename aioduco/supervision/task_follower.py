@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Sequence
 
     from aioduco._wire.codec import ReadResult
-    from aioduco._wire.lane import WireLane
+    from aioduco._wire.lane import Question, WireLane
     from aioduco.models.controller_clock import Clock
 
 _log = BackgroundLogger(__name__)
@@ -351,20 +351,25 @@ class TaskFollower:
     # States that come with the samples of the feed: a poll of their own costs a round trip, and a
     # controller whose samples do not come is polled as if there were none.
 
-    def due_before(self, seconds: float) -> Task | None:
-        """The task to ask for with a sample: due before the next one, and far from its end.
+    def due_before(self, seconds: float) -> tuple[Question, Callable[[ReadResult], object]] | None:
+        """The question for a task that is due before the next sample, and far from its end.
 
         Args:
             seconds: until the next sample.
+
+        Returns:
+            The question, and what takes the answer; None if there is no such task.
         """
         now = time.monotonic()
         task = min(self._due, key=self._due.__getitem__, default=None)
         if task is None or self._due[task] >= now + seconds or task.state not in _UNDER_WAY:
             return None
         far = not task.life.continues_after_task and self._interval(task, now) >= SLOW
-        return task if far else None
+        if not far:
+            return None
+        return ("get_noneblock_taskstate", (task.id,)), partial(self._take_along, task)
 
-    def told(self, task: Task, answer: ReadResult) -> None:
+    def _take_along(self, task: Task, answer: ReadResult) -> None:
         """Take in what came with a sample; a task that has changed is polled at once."""
         now = time.monotonic()
         if self._due.get(task, now) <= now:

@@ -65,7 +65,10 @@ USED = {
     "aioduco._process",
     "aioduco._process.platform",
     "aioduco._process.copying",
-    "aioduco._process.reporting",  # for what traces the connections, as the next one
+    *(
+        "aioduco._process.reporting",
+        "aioduco._process.wakeup",
+    ),  # for what traces the connections, as the next one
     "aioduco._process.scheduling",
     "aioduco._wire",
     "aioduco.errors",

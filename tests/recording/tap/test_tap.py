@@ -138,8 +138,10 @@ def test_what_a_client_reads_late_is_told_of_all_the_same(listener: socket.socke
         client.sendall(call * count)
         assert taken(controller, len(call) * count) == call * count
         sent = 0
+        controller.setblocking(False)
         while select.select([], [controller], [], 0.5)[1]:  # until nothing more passes
             sent += controller.send(answers[sent : sent + 4096])
+        controller.setblocking(True)
         thread = threading.Thread(target=controller.sendall, args=(answers[sent:],))
         thread.start()
         assert taken(client, len(answers)) == answers
