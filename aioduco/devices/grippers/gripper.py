@@ -316,24 +316,20 @@ class PolledGripper(Uncopied, ABC):
         self._held = self._lost = False
         self._going = True
         try:
-            with anyio.fail_after(self._timeout) as scope:
+            # a time-out of its own is that of a gripper that did not answer: nothing more is sent
+            with anyio.move_on_after(self._timeout):
                 await self._go(width, speed, force)
                 state = await self._at_rest()
-        except TimeoutError as error:
-            if not scope.cancelled_caught:  # the gripper did not answer: nothing more is sent
-                raise
+                self._held = state.holding is True
+                return state
             halted = await self._halt_shielded()
-            done = self._HALTED if halted else "it could not be halted, and may still move"
-            raise GripperTimeout(
-                f"{self} did not come to rest within {self._timeout:g} s; {done}"
-            ) from error
         except anyio.get_cancelled_exc_class():
             await self._halt_shielded()
             raise
         finally:
             self._going = False
-        self._held = state.holding is True
-        return state
+        done = self._HALTED if halted else "it could not be halted, and may still move"
+        raise GripperTimeout(f"{self} did not come to rest within {self._timeout:g} s; {done}")
 
     async def _at_rest(self) -> GripperState:
         async for _ in every(self._poll):
