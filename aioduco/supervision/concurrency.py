@@ -17,7 +17,7 @@ or in two cells of a notebook.
 `every`: an absolute schedule. A late cycle does not delay the later ones.
 
 `Alarm`: a wait that ends at a given time, or earlier. A cancel scope with a deadline costs half as
-much again, and the tasks of each robot are polled about thirty times a second.
+much again, and the tasks of a robot without a feed are polled about thirty times a second.
 
 `Silence`: what reports nothing for a while may be dead; a program that stood still did not hear it.
 

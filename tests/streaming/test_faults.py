@@ -180,6 +180,8 @@ async def test_leaving_says_that_the_arm_is_not_known_to_stand(
         async with robot.servo.joints(v=1.0, a=8.0, options=PROCESS) as stream:
             await stream.send(START)
             await stream.send([5e-3, *START[1:]])
+            # a worker that has sent nothing has moved nothing, and there is nothing to say
+            await eventually_async(lambda: sim.joints[0] > 1e-3)
             proxy.refuse()
             proxy.cut()
             if what == "its worker":
