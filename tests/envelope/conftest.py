@@ -7,6 +7,7 @@ from collections.abc import AsyncIterator, Iterator
 
 import numpy as np
 import pytest
+from patient import STREAM_PATIENCE
 
 import aioduco
 from aioduco import Joints, WorkerOptions
@@ -20,7 +21,12 @@ START = Joints(0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0)
 AT = (0.492, 0.1405, 0.442)
 #: the wall of most tests; there is no tool, so its tip is the flange
 FLAT = (Zone.plane((0, AT[1] + 0.1, 0), (0, -1, 0), bodies=("flange",)),)
-THREAD = WorkerOptions(run_in="thread", timeout=10.0)
+#: given in full: for `pytest tests/envelope`, this is loaded before the defaults are patient
+THREAD = WorkerOptions(
+    run_in="thread",
+    timeout=STREAM_PATIENCE["timeout"],
+    away_limit=STREAM_PATIENCE["away_limit"],
+)
 #: simulated seconds in a real one
 SPEED = 10.0
 
