@@ -232,6 +232,7 @@ def test_sim_without_a_display_shows_no_window(monkeypatch: pytest.MonkeyPatch) 
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(330)  # the program's own limit ends it first, and shows what it said
 def test_demo_without_a_terminal(tmp_path: Path) -> None:
     """The whole of it: an arm in a process of its own, plain lines, a plot, and a result."""
     plot, result = tmp_path / "demo.png", tmp_path / "demo.json"
