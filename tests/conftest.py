@@ -381,12 +381,12 @@ def totals(request: pytest.FixtureRequest) -> Counter[str]:
 def pytest_sessionfinish(session: pytest.Session) -> None:
     output: dict[str, Any] | None = getattr(session.config, "workeroutput", None)
     if output is not None:
-        output["adversity"] = dict(_counted(session.config))
+        output["totals"] = dict(_counted(session.config))
 
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_testnodedown(node: Any) -> None:
-    _counted(node.config).update(getattr(node, "workeroutput", {}).get("adversity", {}))
+    _counted(node.config).update(getattr(node, "workeroutput", {}).get("totals", {}))
 
 
 def pytest_terminal_summary(
@@ -394,4 +394,4 @@ def pytest_terminal_summary(
 ) -> None:
     if totals := _counted(config):
         said = ", ".join(f"{number} {what}" for what, number in sorted(totals.items()))
-        terminalreporter.write_line(f"adversity, seed {config.getoption('seed')}: {said}")
+        terminalreporter.write_line(f"seed {config.getoption('seed')}: {said}")

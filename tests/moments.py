@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from typing import TypeVar
@@ -13,6 +14,9 @@ from aioduco.errors import StreamRefused, StreamStarved
 from aioduco.testing import eventually_async
 
 T = TypeVar("T")
+
+#: how often a stream that starved is run again at most
+RUNS_AGAIN = 2
 
 _BUSY = re.compile(
     r"^(?:the event loop (?:did not get to run|was blocked) for [\d.]+ s"
@@ -42,15 +46,17 @@ def complaints(stderr: str) -> str:
 
 
 async def streamed_in_time(
-    run: Callable[[], Awaitable[T]], again: Callable[[], Awaitable[object]]
+    run: Callable[[], Awaitable[T]], again: Callable[[], Awaitable[object]], totals: Counter[str]
 ) -> T:
-    """Run what leads an arm on the clock of the wall, once more if the machine was too busy for it.
+    """Run what leads an arm on the clock of the wall, again if the machine was too busy for it.
 
-    A stream for which set-points come too late ends, and says so: that is as it should be.
+    A stream for which set-points come too late ends, and says so: that is as it should be. It is
+    run again twice at most, and counted.
     """
-    for _ in range(20):
+    for _ in range(RUNS_AGAIN):
         try:
             return await run()
         except (StreamStarved, StreamRefused):
+            totals["streams starved and run again"] += 1
             await again()
     return await run()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+from collections import Counter
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
 from importlib.util import find_spec
@@ -66,7 +67,9 @@ async def joints(robot: Robot) -> Joints:
 
 
 @pytest.mark.slow
-async def test_a_plan_is_followed_to_its_end_and_back_as_blended_motions() -> None:
+async def test_a_plan_is_followed_to_its_end_and_back_as_blended_motions(
+    totals: Counter[str],
+) -> None:
     async with cell() as (robot, _, planner):
         plan = await planner.plan(LEFT, RIGHT, v=2.0, a=6.0)
 
@@ -74,7 +77,7 @@ async def test_a_plan_is_followed_to_its_end_and_back_as_blended_motions() -> No
             await robot.recover()
             await robot.motion.movej2(LEFT, v=1.0, a=2.0)
 
-        result = await streamed_in_time(lambda: robot.motion.execute(plan), again)
+        result = await streamed_in_time(lambda: robot.motion.execute(plan), again, totals)
         assert result is not None
         assert np.abs(result.path_error).max() < 0.02
         assert await joints(robot) == pytest.approx(RIGHT, abs=1e-3)
