@@ -1,4 +1,4 @@
-"""A blocked event loop: for a moment the motion goes on; for too long: hostile/test_onlooker.py."""
+"""A blocked event loop: for a moment the motion goes on; for too long: hostile/test_programs_that_only_read.py."""
 
 from __future__ import annotations
 

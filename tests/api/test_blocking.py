@@ -1,6 +1,6 @@
 """`robot.blocking`: motions by calls that the controller answers at their end.
 
-`test_conducted.py` tests how they end, by a stop, an error or a lost connection.
+`test_motions_answered_at_end.py` tests how they end, by a stop, an error or a lost connection.
 """
 
 from __future__ import annotations

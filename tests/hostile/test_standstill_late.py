@@ -8,7 +8,7 @@ from typing import Any, cast
 
 import anyio
 import pytest
-from supervision.test_every import Clock
+from supervision.test_absolute_schedule import Clock
 
 from aioduco._wire.lane import WireLane
 from aioduco._wire.owner_loop import OwnerLoop
