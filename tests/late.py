@@ -1,4 +1,4 @@
-"""Late answers, which a busy machine gives at times: a test that relies on quick ones fails always.
+"""Delays each answer, so that a test that relies on quick ones always fails.
 
 A simulator without the clock goes through a motion of a second within some ten milliseconds. Then
 a client whose call is on its way for longer finds the arm at its goal. In locked simulated time,

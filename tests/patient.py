@@ -1,4 +1,4 @@
-"""Runs a program as it is, but that its robots judge loops, connections and controllers lost later.
+"""Runs a program with longer time limits for loops, connections and controllers.
 
     python patient.py [--speed N] PROGRAM [its arguments]
 

@@ -1,4 +1,4 @@
-"""A program in a pseudo-terminal: what it shows there, and the keys that it is given."""
+"""Runs a program in a pseudo-terminal: its screen and its keys."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`aioduco init`: the project is green as it is written."""
+"""`aioduco init`: the new project passes its own checks."""
 
 from __future__ import annotations
 

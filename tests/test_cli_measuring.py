@@ -1,4 +1,4 @@
-"""`aioduco tool touch` and `aioduco payload`: what a person does, and what is written."""
+"""`aioduco tool touch` and `aioduco payload`: the dialogue, and what is written."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The monitor: its screen as a function of what is known, its keys, and itself in a terminal."""
+"""The monitor: its screen, its keys, and its program in a terminal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""No text of a controller, a gateway or a file is carried out by the terminal that shows it."""
+"""Control characters in texts of controllers, gateways and files do not reach the terminal."""
 
 from __future__ import annotations
 

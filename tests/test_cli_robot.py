@@ -1,4 +1,4 @@
-"""The commands that look at an arm, lead it and move it."""
+"""The commands that read and move an arm."""
 
 from __future__ import annotations
 

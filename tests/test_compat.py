@@ -1,4 +1,4 @@
-"""The vendor's class: what it sends, what it returns, and what it never does."""
+"""The vendor's class: what it sends, returns and raises."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The wire: what is generated is up to date, and the IDL says what the facts say."""
+"""The generated wire is up to date, and the IDL agrees with the facts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What `import aioduco` brings, and when: names are loaded when they are used."""
+"""What `import aioduco` loads, and when: names are loaded when they are used."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Imports go one way: what each part of the package may know of the others."""
+"""Imports go one way: which parts of the package each part may import."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A name of the manual that is asked of the wrong object: where it is, as the classes say."""
+"""A name of the manual on the wrong object: the error says which object has it."""
 
 from __future__ import annotations
 

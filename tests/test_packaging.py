@@ -1,4 +1,4 @@
-"""What an installed package promises before anything is called."""
+"""Promises of the installed package: version, types, extras."""
 
 from __future__ import annotations
 

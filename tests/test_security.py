@@ -1,4 +1,4 @@
-"""What listens does so on loopback, unless it is told otherwise."""
+"""All servers listen on loopback unless told otherwise."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What must be true of the arm when the program is gone."""
+"""Checks of the arm after the program has ended."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Calls whose answers say what they are answers to, and a book of what came of each.
+"""Calls whose answers name their call, and a record of the outcome of each.
 
 Each call carries a number that no other call carries, in its arguments; the server returns a
 function of the arguments. So an answer that was delivered to a wrong call is seen by its value,
@@ -141,7 +141,7 @@ class Lag:
         return max(due, now)
 
 
-class Book:
+class CallRecords:
     """What came of each call, checked as it comes; `close` checks it against the server's log."""
 
     #: s by which an await may outlive its deadline or its cancellation

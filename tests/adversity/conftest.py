@@ -1,4 +1,4 @@
-"""How many faults, from which seed; the guard of a module."""
+"""Options for the number of faults and the seed, and the leak check of a module."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is tested with and without the guard."""
+"""Parameters of tests that run with and without the guard."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What may happen to a call: every fault that the proxy has, each quick."""
+"""Every fault that the proxy can inject into a call, each of them quick."""
 
 from __future__ import annotations
 

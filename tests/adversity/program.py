@@ -1,4 +1,4 @@
-"""A program that moves the arm for ever, until it is ended.
+"""A program that moves the arm until it is ended.
 
     python program.py HOST PORT HEARTBEAT GUARD
 

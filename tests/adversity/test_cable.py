@@ -1,4 +1,4 @@
-"""The cable is pulled while the arm moves: for a moment, or for good."""
+"""The connection breaks while the arm moves, for a moment or for good."""
 
 from __future__ import annotations
 

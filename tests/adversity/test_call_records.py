@@ -1,4 +1,4 @@
-"""The book finds what it is there to find."""
+"""The call records detect each kind of wrong outcome."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from for_each import for_each
 
-from .calls import Book, make
+from .calls import CallRecords, make
 
 
 @for_each(
@@ -27,20 +27,20 @@ from .calls import Book, make
 def test_a_call_that_did_not_arrive_as_often_as_it_may_is_found(
     method: str, outcome: str, arrived: int, true: bool
 ) -> None:
-    book, call = Book(random.Random(1)), make(method)
-    book.note(call, outcome)
+    records, call = CallRecords(random.Random(1)), make(method)
+    records.note(call, outcome)
     server: Any = SimpleNamespace(received=lambda: [call] * arrived)
     if true:
-        book.check(server)
+        records.check(server)
         return
     with pytest.raises(AssertionError, match=rf"\({outcome}\) arrived {arrived} times"):
-        book.check(server)
+        records.check(server)
 
 
 def test_the_answer_to_another_call_and_one_that_is_late_are_found() -> None:
-    book, call, other = Book(random.Random(1)), make("cal_fkine"), make("cal_fkine")
-    book.follow_blocking(call, lambda *_: other.answer, timeout=60.0)
-    assert book.outcomes == {"answered": 1}
-    book.follow_blocking(other, lambda *_: other.answer, timeout=-1.0)
+    records, call, other = CallRecords(random.Random(1)), make("cal_fkine"), make("cal_fkine")
+    records.follow_blocking(call, lambda *_: other.answer, timeout=60.0)
+    assert records.outcomes == {"answered": 1}
+    records.follow_blocking(other, lambda *_: other.answer, timeout=-1.0)
     with pytest.raises(AssertionError, match=r"(?s)was answered by .* s longer than it may"):
-        book.check(SimpleNamespace(received=lambda: [call, other]))  # type: ignore[arg-type]  # no server
+        records.check(SimpleNamespace(received=lambda: [call, other]))  # type: ignore[arg-type]  # no server

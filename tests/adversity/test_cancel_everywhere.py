@@ -1,4 +1,4 @@
-"""A program that is cancelled at any of its awaits leaves a standing arm and nothing else."""
+"""A program that is cancelled at any of its awaits leaves a standing arm and no resources."""
 
 from __future__ import annotations
 

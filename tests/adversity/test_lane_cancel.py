@@ -1,4 +1,4 @@
-"""A lane that is cancelled at any of its awaits is whole afterwards, and closes at once."""
+"""A lane that is cancelled at any of its awaits stays usable, and closes at once."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from aioduco.testing import (
 )
 from aioduco.testing.cancel import How
 
-from .calls import ANSWERS, METHODS, Book, make
+from .calls import ANSWERS, METHODS, CallRecords, make
 
 
 @asynccontextmanager
@@ -40,7 +40,7 @@ async def proxied() -> AsyncIterator[tuple[RecordingServer, FaultProxy]]:
 @pytest.mark.parametrize("again", [0, 2])
 async def test_every_await_of_a_lane(how: How, again: int) -> None:
     async with proxied() as (server, proxy):
-        book = Book(random.Random(0))
+        records = CallRecords(random.Random(0))
         through = False
 
         async def program() -> None:
@@ -50,7 +50,7 @@ async def test_every_await_of_a_lane(how: How, again: int) -> None:
             try:
                 await lane.open()
                 for method in METHODS:
-                    await book.follow(make(method), lane.call, 5.0)
+                    await records.follow(make(method), lane.call, 5.0)
                 through = True
             finally:
                 await lane.aclose()
@@ -62,4 +62,4 @@ async def test_every_await_of_a_lane(how: How, again: int) -> None:
             await eventually_async(lambda: proxy.statistics().open == server.connections == 0)
 
         assert await cancel_at_every_await(program, check, how=how, again=again) > len(METHODS)
-        book.check(server)
+        records.check(server)

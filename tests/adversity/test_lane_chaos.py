@@ -1,4 +1,4 @@
-"""Many callers on lanes through a proxy that does everything to them that it can."""
+"""Many callers on lanes, through a proxy that injects every kind of fault."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ import pytest
 from aioduco._wire.lane import WireLane
 from aioduco.testing import Chaos, Ending, FaultProxy, RecordingServer, eventually_async, no_leaks
 
-from .calls import ANSWERS, METHODS, Book, Call, Lag, make
+from .calls import ANSWERS, METHODS, Call, CallRecords, Lag, make
 from .conftest import PARTS
 from .menu import MENU
 
@@ -29,42 +29,42 @@ class Storm:
         self.proxy = proxy
         self.faults = faults
         self.seed = seed
-        self.books: list[Book] = []
+        self.all_records: list[CallRecords] = []
 
     @property
     def over(self) -> bool:
         return self.proxy.statistics().faults >= self.faults
 
-    def _book(self, who: str) -> tuple[Book, random.Random]:
+    def _records(self, who: str) -> tuple[CallRecords, random.Random]:
         rng = random.Random(f"{self.seed}/{who}")
-        book = Book(rng)
-        self.books.append(book)
-        return book, rng
+        records = CallRecords(rng)
+        self.all_records.append(records)
+        return records, rng
 
     async def caller(self, lane: WireLane, number: int) -> None:
-        book, rng = self._book(f"caller {number}")
+        records, rng = self._records(f"caller {number}")
         while not self.over:
             call = make(rng.choice(METHODS))
             timeout = rng.choice([0.005, 0.01, 0.02, 0.05])
             cancel_after = rng.uniform(0.0, 0.015) if rng.random() < 0.2 else None
-            await book.follow(call, lane.call, timeout, cancel_after)
+            await records.follow(call, lane.call, timeout, cancel_after)
 
     async def stopper(self, lane: WireLane) -> None:
         """A stop is never told "it may have been done" without a try at a second one."""
-        book, rng = self._book("stopper")
+        records, rng = self._records("stopper")
         while not self.over:
             call = Call(0, "stop", (True,), 0)
-            await book.follow(call, lane.call, rng.choice([0.01, 0.05]))
+            await records.follow(call, lane.call, rng.choice([0.01, 0.05]))
 
     @contextmanager
     def thread(self, lane: WireLane) -> Iterator[None]:
         """While the block runs, a plain thread calls too."""
-        book, rng = self._book("thread")
+        records, rng = self._records("thread")
         ended = threading.Event()
 
         def work() -> None:
             while not ended.is_set():
-                book.follow_blocking(make(rng.choice(METHODS)), lane.call_from_thread, 0.02)
+                records.follow_blocking(make(rng.choice(METHODS)), lane.call_from_thread, 0.02)
 
         thread = threading.Thread(target=work, name="caller")
         thread.start()
@@ -75,7 +75,7 @@ class Storm:
             thread.join()
 
     async def blows(self) -> None:
-        _, rng = self._book("blows")
+        _, rng = self._records("blows")
         due = anyio.current_time()
         while True:
             due = max(due + rng.uniform(0.02, 0.2), anyio.current_time())
@@ -126,9 +126,9 @@ async def test_every_call_has_its_own_answer_or_a_true_error(
         totals["faults"] += proxy.statistics().faults
         totals["calls"] += proxy.statistics().calls
         totals["connections"] += proxy.statistics().connections
-        for book in storm.books:
-            totals.update(book.outcomes)
-            book.check(server, lag)
+        for records in storm.all_records:
+            totals.update(records.outcomes)
+            records.check(server, lag)
 
 
 @asynccontextmanager

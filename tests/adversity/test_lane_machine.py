@@ -1,4 +1,4 @@
-"""A lane through every order of calls, faults, cancellations and lost connections."""
+"""A lane in every order of calls, faults, cancellations and lost connections."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from aioduco.testing import (
     no_leaks,
 )
 
-from .calls import ANSWERS, METHODS, Book, make
+from .calls import ANSWERS, METHODS, CallRecords, make
 from .menu import MENU
 
 #: s; long enough that a call that is not held back is never late, even on a busy machine
@@ -83,7 +83,7 @@ class LaneMachine(RuleBasedStateMachine):
         self.portal = self.stack.enter_context(start_blocking_portal())
         self.server = self.stack.enter_context(RecordingServer(ANSWERS))
         self.proxy = self.stack.enter_context(FaultProxy(self.server.host, self.server.port))
-        self.book = Book(random.Random(0))
+        self.records = CallRecords(random.Random(0))
         self.pending: list[Future[None]] = []
         #: whether the next call may meet a connection that is about to fail
         self.doubtful = False
@@ -104,7 +104,7 @@ class LaneMachine(RuleBasedStateMachine):
                 self.proxy.clear()
                 self.proxy.cut()
                 eventually(lambda: self.proxy.statistics().open == self.server.connections == 0)
-            self.book.check(self.server)
+            self.records.check(self.server)
 
     # Calls
 
@@ -114,10 +114,10 @@ class LaneMachine(RuleBasedStateMachine):
         """A call alone: what comes of it is known from the fault."""
         if fault is not None:
             self.proxy.on(method, fault)
-        before = self.book.outcomes
-        follow = partial(self.book.follow, make(method), self.lane.call)
+        before = self.records.outcomes
+        follow = partial(self.records.follow, make(method), self.lane.call)
         self.portal.call(partial(follow, SHORT if waits(fault) else AMPLE))
-        (outcome,) = (self.book.outcomes - before).elements()
+        (outcome,) = (self.records.outcomes - before).elements()
         if not self.doubtful:
             assert outcome in outcomes(fault, method), (fault, outcome)
         self.proxy.clear()
@@ -130,9 +130,9 @@ class LaneMachine(RuleBasedStateMachine):
             return
         outcome = ""
         for _ in range(self.lane.statistics().connections + 1):
-            before = self.book.outcomes
-            self.portal.call(partial(self.book.follow, make(method), self.lane.call, AMPLE))
-            (outcome,) = (self.book.outcomes - before).elements()
+            before = self.records.outcomes
+            self.portal.call(partial(self.records.follow, make(method), self.lane.call, AMPLE))
+            (outcome,) = (self.records.outcomes - before).elements()
             if outcome == "answered":
                 break
         assert outcome == "answered"
@@ -147,7 +147,7 @@ class LaneMachine(RuleBasedStateMachine):
         """A call that will not be answered, left under way."""
         self.proxy.on(method, fault)
         calls = self.lane.statistics().calls
-        follow = partial(self.book.follow, make(method), self.lane.call, AMPLE)
+        follow = partial(self.records.follow, make(method), self.lane.call, AMPLE)
         self.pending.append(self.portal.start_task_soon(follow))
         eventually(lambda: self.lane.statistics().calls > calls)
         self.doubtful = True
@@ -185,7 +185,7 @@ class LaneMachine(RuleBasedStateMachine):
     @rule(method=st.sampled_from(METHODS))
     def call_in_vain(self, method: str) -> None:
         """With nobody listening, a call fails soon, or has a connection that is left."""
-        self.portal.call(partial(self.book.follow, make(method), self.lane.call, SHORT))
+        self.portal.call(partial(self.records.follow, make(method), self.lane.call, SHORT))
 
     @precondition(lambda self: self.refusing)
     @rule()
@@ -203,7 +203,7 @@ class LaneMachine(RuleBasedStateMachine):
 
     @invariant()
     def nothing_wrong_so_far(self) -> None:
-        assert self.book.wrong == []
+        assert self.records.wrong == []
 
 
 TestLane = LaneMachine.TestCase

@@ -1,4 +1,4 @@
-"""A program that moves an arm over a bad line learns the truth, and the arm never goes astray."""
+"""A program over a faulty connection gets true outcomes, and the arm moves only as commanded."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A stop from a signal handler, in the middle of anything that the program does."""
+"""A stop from a signal handler, at any line of the program."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from aioduco.errors import TaskStopped
 from aioduco.supervision.settings import GuardKind
 from aioduco.testing import FaultProxy, RecordingServer, no_leaks
 
-from .calls import ANSWERS, METHODS, Book, Call, Lag, make
+from .calls import ANSWERS, METHODS, Call, CallRecords, Lag, make
 from .guards import BOTH
 from .test_lane_chaos import opened
 
@@ -66,29 +66,29 @@ async def test_a_stop_from_a_signal_handler_is_answered_wherever_it_interrupts(s
         opened(WireLane("control", proxy.host, proxy.port)) as control,
     ):
         rng = random.Random(seed)
-        stops = Book(rng)
-        books = [Book(rng) for _ in range(4)]
+        stops = CallRecords(rng)
+        all_records = [CallRecords(rng) for _ in range(4)]
 
         def stop(signum: int, frame: FrameType | None) -> None:
             # on the pool, and while the same lane is in the middle of something, too
             lane = rng.choice([pool, control])
             stops.follow_blocking(Call(0, "stop", (True,), 0), lane.call_from_thread, PATIENCE)
 
-        async def caller(book: Book) -> None:
+        async def caller(records: CallRecords) -> None:
             while sum(stops.outcomes.values()) < STOPS:
                 lane = rng.choice([pool, pool, control])
                 cancel_after = rng.uniform(0.0, 0.002) if rng.random() < 0.3 else None
-                await book.follow(make(rng.choice(METHODS)), lane.call, 2.0, cancel_after)
+                await records.follow(make(rng.choice(METHODS)), lane.call, 2.0, cancel_after)
 
         with interrupting(stop, every=0.0023):
             async with anyio.create_task_group() as callers:
-                for book in books:
-                    callers.start_soon(caller, book)
+                for records in all_records:
+                    callers.start_soon(caller, records)
         await pool.aclose()
         await control.aclose()
         assert stops.outcomes == {"answered": sum(stops.outcomes.values())}
-        for book in (stops, *books):
-            book.check(server, lag)
+        for records in (stops, *all_records):
+            records.check(server, lag)
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""A blocked event loop: for a moment the motion goes on; for too long: hostile/test_programs_that_only_read.py."""
+"""A short stall of the event loop does not stop a motion. Long ones: hostile tests."""
 
 from __future__ import annotations
 

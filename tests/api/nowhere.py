@@ -1,4 +1,4 @@
-"""A robot that is taken for open, and whose calls go to a function instead of a controller."""
+"""A robot that counts as open, whose calls go to a function instead of a controller."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Buses and variables: what is particular about them."""
+"""Buses and variables: what their functions do beyond one call."""
 
 from __future__ import annotations
 

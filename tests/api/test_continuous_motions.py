@@ -1,4 +1,4 @@
-"""Motions that go on: they end when they are told to, when their time is over, or by a stop.
+"""Continuous motions end by their end function, after their time, or by a stop.
 
 Every test runs against two controllers: one whose task lasts as long as the motion, and one that
 has finished the task as soon as the motion has begun. The manual allows both.

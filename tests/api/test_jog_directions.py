@@ -1,4 +1,4 @@
-"""A jog goes where its sign says, whatever numbers the controller has for that."""
+"""A jog moves in the direction of its sign, whichever numbers the controller uses for it."""
 
 from __future__ import annotations
 

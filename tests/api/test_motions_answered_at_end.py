@@ -1,4 +1,4 @@
-"""Motions that are answered only at their end, and the mode in which the arm follows a queue."""
+"""Motions that the controller answers at their end, and the mode that follows a queue."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Kinematics of the controller, force control, settings: what is particular about them."""
+"""Kinematics of the controller, force control, settings: what they do beyond one call."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The track pool: it knows what it holds, and says when it is full."""
+"""The track pool counts its points, and refuses more than fit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Connecting: what can be at the other end, and what is said of it."""
+"""Connecting: the errors for everything that may be at the other end."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How errors say what was given."""
+"""How errors show the value that was given."""
 
 from __future__ import annotations
 

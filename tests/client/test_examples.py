@@ -1,4 +1,4 @@
-"""Each example runs to its end, says what it did, and nothing else."""
+"""Each example runs to its end and prints what it should, and nothing else."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a program is told that writes something else than it means: async and sync."""
+"""Errors and warnings for code that means something else than it says: async and sync."""
 
 from __future__ import annotations
 

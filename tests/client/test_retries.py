@@ -1,4 +1,4 @@
-"""Reads wait for a lost connection; commands are never sent again."""
+"""Reads are repeated after a lost connection; commands are never sent again."""
 
 from __future__ import annotations
 

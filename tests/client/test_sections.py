@@ -1,4 +1,4 @@
-"""Sections: what goes over the wire, and what comes back as."""
+"""Sections: what they send, and the types that they return."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The examples that bring an arm to other systems, met by those systems' own clients."""
+"""The examples of other systems, tested with the clients of these systems."""
 
 from __future__ import annotations
 

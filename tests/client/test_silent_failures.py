@@ -1,4 +1,4 @@
-"""What the wire answers by a nought is an error here, and a nought that is true is none."""
+"""A zero that means a failure on the wire is an error, and a true zero is not."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rates and times out of range are refused wherever they are given, and nothing is sent."""
+"""Rates and times out of range are refused by every function, and nothing is sent."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The fastest clock gives the same as the wall's: outcomes of all functions, angles of motions."""
+"""The fastest clock gives the same outcomes and angles as real time."""
 
 from __future__ import annotations
 

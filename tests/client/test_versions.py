@@ -1,4 +1,4 @@
-"""What the controller offers is found out while connecting, and said when something is missing."""
+"""The controller's version is read while connecting, and named when a function is missing."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Programs that go on commanding at a limit: set-points, velocities, jogs, streams, in a loop."""
+"""Commands at a limit, again and again: set-points, velocities, jogs, streams."""
 
 from __future__ import annotations
 

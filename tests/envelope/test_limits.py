@@ -1,4 +1,4 @@
-"""The limits of an envelope: what they refuse, and what they say."""
+"""The limits of an envelope: their checks and their texts."""
 
 from __future__ import annotations
 

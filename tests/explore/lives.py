@@ -1,4 +1,4 @@
-"""Heartbeat, stream and guard for the explorer, and what happens to the processes they run in.
+"""Heartbeat, stream and guard for the explorer, and the faults of their processes.
 
 `LivingWorld` has three operating system's processes: the program, the worker of its stream, and its
 guard. Each may be frozen, thawed and killed; the event loop may hang; the computer may sleep.

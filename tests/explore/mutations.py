@@ -1,4 +1,4 @@
-"""What the explorer must find: each mend taken out again, in a machine or in what drives it.
+"""Faults that the explorer must find: each safeguard removed, in a machine or its driver.
 
 The numbers are those of what was once wrong:
 

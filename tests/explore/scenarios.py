@@ -1,4 +1,4 @@
-"""The worlds that are explored: each has a few actors, and a few things that may go wrong in it.
+"""The worlds that are explored: each has a few actors and a few faults.
 
 Attributes of each:
     gate: number of steps to which the gate explores it; the tests go less deep.

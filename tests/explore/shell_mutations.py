@@ -1,4 +1,4 @@
-"""What the runs of `programs.py` must find: each mend taken out of the package's own coroutines."""
+"""Faults that the runs of `programs.py` must find: safeguards removed from the coroutines."""
 
 from __future__ import annotations
 

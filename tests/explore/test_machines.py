@@ -1,4 +1,4 @@
-"""The promise holds in every order of events, and each mend is missed when it is taken out.
+"""The promise holds in every order of events, and fails when a safeguard is removed.
 
 `pytest tests/explore -s` prints the figures, and the shortest order for each mutation.
 """

@@ -1,4 +1,4 @@
-"""The network fails: what the program is told of its motion stays true, and true when it has ended.
+"""The network fails: what the program was told of its motion stays true.
 
 The whole matrix, some five hundred runs, is run by `.ci/cables`; here is a part of it.
 """

@@ -1,4 +1,4 @@
-"""What this computer denies while a robot or a stream is opened is said so, and nothing is left."""
+"""Errors of the system while a robot or a stream is opened are named, and nothing is left."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Work that is cancelled before it began, or as it fails: nobody waits for it for ever."""
+"""Work that is cancelled before it begins, or while it fails, leaves nobody waiting."""
 
 from __future__ import annotations
 

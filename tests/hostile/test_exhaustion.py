@@ -1,4 +1,4 @@
-"""With no thread, no descriptor and no memory to be had, a robot is stopped and left as ever."""
+"""A robot is stopped and left without threads, descriptors or memory to be had."""
 
 from __future__ import annotations
 

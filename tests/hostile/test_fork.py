@@ -1,4 +1,4 @@
-"""A program that forks keeps its robot, and its children can do nothing to it."""
+"""A program that forks keeps its robot, and its children cannot use it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A program that forks while its stream runs goes on streaming, and its child disturbs nothing."""
+"""A program that forks while its stream runs goes on streaming; its child has no effect."""
 
 from __future__ import annotations
 

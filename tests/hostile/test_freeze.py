@@ -1,4 +1,4 @@
-"""Processes of a program are frozen, suspended and killed: no standing arm begins to move by that.
+"""Processes of a program are frozen, suspended and killed: no standing arm begins to move.
 
 The whole matrix, some six hundred runs, is run by `.ci/freeze-matrix`, which states the rule; here
 is a part of it. Verdicts are by the arm's positions alone, and a busy machine makes a run longer or

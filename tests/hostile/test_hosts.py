@@ -1,4 +1,4 @@
-"""A name that hangs, an address that leads nowhere, a server that is silent: all ends in time.
+"""Hanging name servers, addresses that lead nowhere and silent servers end within deadlines.
 
 The ways to a controller: the robot in both forms, the vendor's class, the command, the ports that
 send by themselves, and the tap.

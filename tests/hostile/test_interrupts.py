@@ -1,4 +1,4 @@
-"""An interrupt at any line leaves neither a program that hangs nor a moving arm."""
+"""An interrupt at any line leaves no program that hangs and no moving arm."""
 
 from __future__ import annotations
 

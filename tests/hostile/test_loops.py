@@ -1,4 +1,4 @@
-"""One robot, one event loop: on any other nothing is sent, and the robot goes on."""
+"""A robot works on its own event loop only: on another one nothing is sent."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Only who moves the arm has it stopped: a program that looks on stops nobody's."""
+"""Only a program that moves the arm has it stopped when it ends or hangs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A program that was held up asks the arm before it says that it moves."""
+"""A program that was held up reads the arm's state before it reports that the arm moves."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What looks after a stream fails: the arm is stopped, and the program is told."""
+"""A failure of the task that watches a stream stops the arm, and the program is told."""
 
 from __future__ import annotations
 

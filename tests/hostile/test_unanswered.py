@@ -1,5 +1,4 @@
-"""Answers that come late, say nothing, or say that something failed: the arm is stopped, and stays
-so."""
+"""After late, empty and failed answers the arm is stopped, and stands."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the program supplies, such as log handlers and hooks, stands before no stop of the arm."""
+"""Log handlers and hooks of the program delay no stop of the arm."""
 
 from __future__ import annotations
 

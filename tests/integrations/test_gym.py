@@ -1,4 +1,4 @@
-"""The environments of Gymnasium: what its own checks say, and that both kinds are one."""
+"""The Gymnasium environments pass its checks, and the two kinds agree."""
 
 from __future__ import annotations
 

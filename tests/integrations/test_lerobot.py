@@ -1,4 +1,4 @@
-"""The robot for LeRobot, without LeRobot: what of it the robot needs is played here."""
+"""The robot for LeRobot, without LeRobot: the parts that it needs are replaced here."""
 
 from __future__ import annotations
 

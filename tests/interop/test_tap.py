@@ -1,4 +1,4 @@
-"""A tap before the vendor's client: every call of the conversation is told, as it was made."""
+"""A tap reports every call of the vendor's client, as it was made."""
 
 from __future__ import annotations
 

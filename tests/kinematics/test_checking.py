@@ -1,4 +1,4 @@
-"""What is reported of points before an arm goes there."""
+"""Reports on points before an arm moves there."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The looks of the arms: closed bodies near those that collide, in colours that stand out."""
+"""The visual shapes of the arms: closed, near those that collide, in distinct colours."""
 
 from __future__ import annotations
 

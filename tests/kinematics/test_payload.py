@@ -1,4 +1,4 @@
-"""Mass and centre of loads that are hidden, and how far the stated uncertainty holds."""
+"""Mass and centre of simulated loads, and the stated uncertainty."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tip and axes of a tool, and how far the stated uncertainty holds, with tools that are hidden."""
+"""Tip and axes of simulated tools, and the stated uncertainty."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One parser of addresses: what people write, and what is no address."""
+"""The parser of addresses: valid ones and refused ones."""
 
 from __future__ import annotations
 

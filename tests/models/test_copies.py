@@ -1,4 +1,4 @@
-"""Copies and pickles: every public error and value comes back whole; what is held says why not.
+"""Copies and pickles of each public error and value are complete; handles refuse both.
 
 That each is made of numpy's numbers too is here, since to find all of them takes half a second.
 """

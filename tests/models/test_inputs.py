@@ -1,4 +1,4 @@
-"""What is no number, no list and no file is refused by the name of its parameter."""
+"""Values that are no number, list or file are refused by the name of their parameter."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Numbers: those of numpy are numbers everywhere, and what is none is refused by name."""
+"""Numbers of numpy count as numbers everywhere, and other values are refused by name."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""TOML files that people edit: read with any mark and line ends, and rewritten as they were."""
+"""TOML files that people edit: any byte order mark and line ends are read, and kept."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Texts for those who do not call the robot in Python name what they have in its place."""
+"""Texts for people who do not write Python name what they have instead."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Words of a few: any value that is none of them is refused by name, and the nearest is said."""
+"""Options with a few allowed words: others are refused by name, with the nearest one."""
 
 from __future__ import annotations
 

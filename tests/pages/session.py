@@ -1,4 +1,4 @@
-"""The commands of a page, as somebody types them: in one folder, some of them beside each other.
+"""Runs the commands of a page as typed: in one folder, some of them side by side.
 
 It needs Python's own library alone, so that it drives an environment other than the one it is in.
 """

@@ -1,4 +1,4 @@
-"""The page of symptoms names every error, and what it quotes is what the package says."""
+"""The page of symptoms names every error, and quotes the package's own texts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Carry out a page as its reader does: save its files, type its commands, in their order.
+"""Carries out a page: saves its files, and types its commands, in their order.
 
     python -m pages.tutorial WHEEL     the tutorial, in a fresh environment made from the wheel
 

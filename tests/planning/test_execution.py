@@ -1,4 +1,4 @@
-"""Plans carried out on a simulated arm: supervised, and with an eye on what changes."""
+"""Plans carried out on a simulated arm, with supervision and while a scene changes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Plans: free, within the limits, and typed errors where there is none."""
+"""Plans are free and within the limits; without one there is a typed error."""
 
 from __future__ import annotations
 

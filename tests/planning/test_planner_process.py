@@ -1,4 +1,4 @@
-"""The planner and its process: whose problem it solves, in which scene, and what a cancel ends."""
+"""The planner and its process: its problem, its scene, and what a cancellation ends."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Lines and arcs of the tool: their lengths, and three points that are none."""
+"""Lines and arcs of the tool: their lengths, and points that make no arc."""
 
 from __future__ import annotations
 

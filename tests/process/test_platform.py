@@ -1,4 +1,4 @@
-"""Without what Linux alone has. `pytest --bare-platform` runs all tests so."""
+"""The package without features of Linux. `pytest --bare-platform` runs all tests so."""
 
 from __future__ import annotations
 

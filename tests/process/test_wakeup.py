@@ -1,4 +1,4 @@
-"""A thread is woken, however often whoever wakes it is interrupted."""
+"""A thread is woken even if the thread that wakes it is interrupted."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Recordings as pictures, and the commands that make both."""
+"""Recordings as pictures, and the commands that draw them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Recordings of strangers: typed errors, and memory that the file's size bounds."""
+"""Recordings of other makers: typed errors, and memory bounded by the file's size."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A robot published live: what a watcher reads, and that none holds anything up.
+"""A robot published live: what a reader gets, and that no reader delays the program.
 
 The watcher is another maker's client of WebSocket, which reads by the schemas that it is sent.
 """

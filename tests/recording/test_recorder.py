@@ -1,4 +1,4 @@
-"""What is recorded, that it costs the program nothing but its time, and how a recording ends."""
+"""What is recorded, at which cost, and how a recording ends."""
 
 from __future__ import annotations
 

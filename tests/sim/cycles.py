@@ -1,4 +1,4 @@
-"""What the drives were told and what the arm did, cycle by cycle."""
+"""Set-points and positions of the arm, cycle by cycle."""
 
 from __future__ import annotations
 

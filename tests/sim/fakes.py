@@ -1,4 +1,4 @@
-"""A mover and an arm that are simple enough to be predicted by hand."""
+"""A mover and an arm that are simple enough to be predicted."""
 
 from __future__ import annotations
 

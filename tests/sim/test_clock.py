@@ -1,3 +1,5 @@
+"""The clock of a simulator."""
+
 from __future__ import annotations
 
 import math

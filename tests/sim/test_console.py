@@ -1,4 +1,4 @@
-"""Rules from outputs to inputs, and what a person at the machine does in words."""
+"""Rules from outputs to inputs, and commands of a person at the machine."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Any order of commands and accidents: what must hold after each of them."""
+"""Invariants after commands and accidents in any order."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The fidelity ledger is complete, and names tests that there are."""
+"""The fidelity ledger is complete, and names existing tests."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Force control without physics: the sensor, the law, the guard, the conditions, the tasks."""
+"""Force control without physics: sensor, law, guard, conditions, tasks."""
 
 from __future__ import annotations
 

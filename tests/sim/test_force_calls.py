@@ -1,4 +1,4 @@
-"""The functions of force control by the wire: what ends how, with arguments that make no sense."""
+"""The functions of force control on the wire, with invalid arguments as well."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The force stream: who asks gets samples, of both lengths, and asks again after a silence."""
+"""The force stream: samples on request, of both lengths, until a silence."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the controller watches in each cycle: short ways to an answer give that of the long one."""
+"""The limits that the controller checks each cycle: quick checks agree with complete ones."""
 
 from __future__ import annotations
 

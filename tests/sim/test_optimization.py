@@ -1,4 +1,4 @@
-"""The switches of 1.3.11: what they do to motions that come later."""
+"""The switches of 1.3.11 and their effect on later motions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""While a motion is planned everything else goes on: commands, the cycle, and above all a stop."""
+"""While a motion is planned, commands, cycles and stops go on."""
 
 from __future__ import annotations
 

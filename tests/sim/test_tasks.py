@@ -1,3 +1,5 @@
+"""Tasks of the simulated controller."""
+
 from __future__ import annotations
 
 import pytest

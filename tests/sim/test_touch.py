@@ -1,4 +1,4 @@
-"""What the arm touches: itself, the floor. It is blocked, and nothing flies apart."""
+"""Contacts of the arm with itself and the floor: it is blocked."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Each example of a stream runs to its end, leads the arm, and says nothing but what it should."""
+"""Each example of a stream runs to its end, and prints what it should and nothing else."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What networks, cancellations and deaths do to a robot's stream: a typed error, a standing arm."""
+"""Faults of networks, cancellations and deaths: a typed error and a standing arm."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""When the controller's queues are filled, and when their end has come: without clock and calls."""
+"""When the controller's queues are filled, and when they end: without clock and calls."""
 
 from __future__ import annotations
 

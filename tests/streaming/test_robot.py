@@ -1,4 +1,4 @@
-"""Streams of a robot, on a simulated arm: where they lead, and who may end them."""
+"""Streams of a robot, on a simulated arm: where they lead, and what ends them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is asked of the system's scheduler."""
+"""Requests to the system's scheduler."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What streams are told when they are opened: checked, passed on, and granted or not."""
+"""Settings of streams: checked, passed on, and granted or not."""
 
 from __future__ import annotations
 

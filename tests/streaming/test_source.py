@@ -1,4 +1,4 @@
-"""The states of a stream: what leads from one to another, and what is sent meanwhile."""
+"""The states of a stream, the changes between them, and what is sent in each."""
 
 from __future__ import annotations
 

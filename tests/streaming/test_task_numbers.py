@@ -1,4 +1,4 @@
-"""Another caller's stop is noticed whenever it comes, and nothing else is taken for one."""
+"""Another caller's stop is noticed at any time, and nothing else counts as one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Joint trajectories: sampled as given, compared with the arm, cancelled in mid course."""
+"""Joint trajectories: sampled as given, compared with the arm, cancelled on the way."""
 
 from __future__ import annotations
 

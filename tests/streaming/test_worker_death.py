@@ -1,4 +1,4 @@
-"""Whoever dies, in whatever way: the arm comes to rest and stands, and nothing is left."""
+"""Worker, program or connection ends in any way: the arm comes to rest, nothing is left."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`every`: turns on an absolute schedule, on a clock that only the test moves; and `Alarm`."""
+"""`every` and `Alarm`: turns on an absolute schedule, on a clock of the test."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Bring-up: from any state to one in which the arm can move, or a word on what a person must do."""
+"""Bring-up from any state to readiness, or an error that says what a person must do."""
 
 from __future__ import annotations
 

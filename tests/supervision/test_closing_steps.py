@@ -1,4 +1,4 @@
-"""Leaving `async with robot`: whatever happened inside, the arm stands and nothing is left."""
+"""Leaving `async with robot`: after anything inside, the arm stands and nothing is left."""
 
 from __future__ import annotations
 

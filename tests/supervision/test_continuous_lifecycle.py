@@ -1,4 +1,4 @@
-"""The life of a motion that goes on, as a pure state machine."""
+"""The life of a continuous motion: the state machine."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Stop, pause, resume, abort: nothing is in their way."""
+"""Stop, pause, resume, abort: no other call delays them."""
 
 from __future__ import annotations
 

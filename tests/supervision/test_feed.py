@@ -1,4 +1,4 @@
-"""The feed of the state: its age, its subscribers, its waits; and what it makes of changes."""
+"""The feed of the state: its age, its subscribers, its waits; and the events from changes."""
 
 from __future__ import annotations
 

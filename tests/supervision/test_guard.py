@@ -1,4 +1,4 @@
-"""The guard: it beats outside of the program, and stops the arm when the program is gone."""
+"""The guard sends beats from another process, and stops the arm when the program ends."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The heartbeat: beside the event loop, but not without it."""
+"""The heartbeat runs beside the event loop, and stops when the loop hangs."""
 
 from __future__ import annotations
 

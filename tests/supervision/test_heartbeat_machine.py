@@ -1,4 +1,4 @@
-"""Whether the heart may beat: a state machine without a thread."""
+"""When a beat may be sent: the state machine, without a thread."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Modes that a stop leaves on, on the simulated arm: none is on when the program has left."""
+"""Modes that a stop leaves on, on the simulated arm: all are off after the program."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How long a motion of the joints takes, and how far it has come."""
+"""How long a motion of the joints takes, and its progress."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An arm is stopped without a robot: what is sent, how often, and when that is over."""
+"""A stop without a robot: what is sent, how often, and when it is over."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""When tasks are asked about: pure functions of times."""
+"""When tasks are polled: functions of times."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Samples of the state: what the wire carries as frozen values in SI units."""
+"""Samples of the state: values of the wire, frozen and in SI units."""
 
 from __future__ import annotations
 

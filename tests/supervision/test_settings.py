@@ -1,4 +1,4 @@
-"""The settings of a robot stand in one list, `RobotSettings`, and `connect` takes just these."""
+"""The settings of a robot are those of `RobotSettings`, and `connect` takes just these."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Several arms are stopped at once: before anything else runs, and each whatever the others do."""
+"""Several arms are stopped at once, before anything else runs, each whatever the others do."""
 
 from __future__ import annotations
 

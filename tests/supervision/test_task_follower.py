@@ -1,4 +1,4 @@
-"""The poller: notices ends, follows many tasks, and never leaves an await behind."""
+"""The task follower notices ends, follows many tasks, and lets every await end."""
 
 from __future__ import annotations
 

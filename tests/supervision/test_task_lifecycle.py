@@ -1,4 +1,4 @@
-"""The life of a task as a pure state machine."""
+"""The life of a task: the state machine."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is done about a motion that was not answered, without clock and network."""
+"""What is done about an unanswered motion: the state machine."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Fixtures: a controller without an arm, and a robot for programs that wait."""
+"""Fixtures: a controller without an arm, and a robot of the blocking interface."""
 
 from __future__ import annotations
 

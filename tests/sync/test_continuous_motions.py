@@ -1,4 +1,4 @@
-"""A motion without an end of its own needs somebody who holds it."""
+"""A continuous motion of the blocking interface needs a block that ends it."""
 
 from __future__ import annotations
 

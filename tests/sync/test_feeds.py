@@ -1,4 +1,4 @@
-"""The feed and the events, read by programs that wait."""
+"""The feed and the events, read by blocking programs."""
 
 from __future__ import annotations
 

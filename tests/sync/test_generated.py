@@ -1,4 +1,4 @@
-"""What is generated is whole, up to date, and the same as what is awaited."""
+"""The generated modules are complete, up to date, and equal to the awaited interface."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The thread underneath: when it begins, who may call it, and when it ends."""
+"""The thread of the event loop: its start, who may call it, and its end."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Motions and tasks: each call returns when it is done."""
+"""Motions and tasks: each call returns when it is carried out."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Several arms are stopped at once, each whatever the others do, and whatever interrupts it."""
+"""Several arms are stopped at once, each whatever the others do, through any interrupt."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Streams of a robot for programs that wait, on a simulated arm: where they lead, how they end."""
+"""Streams of the blocking interface, on a simulated arm: where they lead, how they end."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The bundle of a check: what is planted into it is not found in it."""
+"""The bundle of a check holds nothing of what must not leave the machine."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The suite finds nothing at the simulator, and finds what another controller does otherwise."""
+"""The suite passes on the simulator, and finds each deviation of another controller."""
 
 from __future__ import annotations
 

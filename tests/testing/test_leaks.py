@@ -1,4 +1,4 @@
-"""What is left behind is found, and said."""
+"""Resources that are left are found, and named."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A name server that does what a test says."""
+"""A name server that follows a test."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A server that does what a script says, call by call: true answers and every kind of false one."""
+"""A server that follows a script, call by call: true answers and every kind of false one."""
 
 from __future__ import annotations
 

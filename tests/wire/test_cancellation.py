@@ -1,4 +1,4 @@
-"""Cancelling a call at every point: nothing stays behind, and nobody gets its answer."""
+"""A call is cancelled at each point: nothing is left, and no other caller gets its answer."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Calls of one connection, and the bytes of their answers, however these come."""
+"""Calls of one connection, and the bytes of their answers, however these are split."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What may be sent twice: every function of the wire by name."""
+"""Which functions may be sent twice: every function of the wire by name."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The IDL as the package reads it is the IDL as thriftpy2's own parser reads it."""
+"""The IDL as the package reads it."""
 
 from __future__ import annotations
 

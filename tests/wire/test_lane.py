@@ -1,4 +1,4 @@
-"""Lanes: who gets a connection when, and what is left when it is over."""
+"""Lanes: who gets a connection when, and what is left at the end."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Answers that are late, doubled, cut, or somebody else's never reach a caller.
+"""Late, doubled, cut and foreign answers never reach a caller.
 
 And what is sent again, and what never: a command is carried out at most once.
 """

@@ -1,4 +1,4 @@
-"""A layout that was met before stands for a measurement, and for nothing else."""
+"""A known layout replaces a measurement only of the same layout."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A connection that is given up delivers nothing any more, whoever else holds its socket."""
+"""A connection that is given up delivers nothing more, whoever else holds its socket."""
 
 from __future__ import annotations
 

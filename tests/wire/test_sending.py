@@ -1,4 +1,4 @@
-"""When a call leaves: before anything else runs, with its permit, and in parts if it is long."""
+"""When a call is sent: before anything else runs, with its permit, long ones in parts."""
 
 from __future__ import annotations
 

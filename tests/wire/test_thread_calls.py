@@ -1,4 +1,4 @@
-"""Calls from threads and signal handlers: they wait for nobody, not even for the event loop."""
+"""Calls from threads and signal handlers never wait for the event loop."""
 
 from __future__ import annotations
 

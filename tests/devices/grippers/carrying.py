@@ -1,4 +1,4 @@
-"""A box is gripped in the simulator, lifted, carried and put down where it is to be.
+"""A box is gripped, lifted, carried and put down in the simulator.
 
 Each trial has a seed, which chooses the gripper, the box (20 to 60 mm on each side, 0.05 to 1 kg)
 and how far it lies off the middle of the fingers (5 mm, 6 degrees). The arm comes down by a line,

@@ -1,4 +1,4 @@
-"""A gripper that stops reporting while it carries, and what the errors say was done to the arm."""
+"""A gripper that stops reporting while it carries: errors say what was done to the arm."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the bytes of input devices mean, and when their dead-man is held; without a device."""
+"""The bytes of input devices, and their dead-man switch; without a device."""
 
 from __future__ import annotations
 

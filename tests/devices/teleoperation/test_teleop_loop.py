@@ -1,4 +1,4 @@
-"""An arm that is led by keys, on the simulated controller, and recorded."""
+"""An arm that is moved by keys, on the simulated controller, and recorded."""
 
 from __future__ import annotations
 

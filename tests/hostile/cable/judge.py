@@ -1,4 +1,4 @@
-"""Whether the arm began to move after the program was told that it does not."""
+"""Whether the arm began to move after the program was told that it would not."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A program that moves the arm, and says what it is told.
+"""A program that moves the arm and prints what it is told.
 
     python -m hostile.cable.program HOST PORT SCENE HEARTBEAT GUARD STREAM
 

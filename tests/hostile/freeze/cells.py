@@ -1,4 +1,4 @@
-"""What is tried: which processes are frozen, for how long, and what the program does meanwhile."""
+"""The combinations: which processes are frozen, for how long, and what the program does."""
 
 from __future__ import annotations
 

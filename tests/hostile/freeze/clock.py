@@ -1,4 +1,4 @@
-"""The clock of a suspended computer: `clock.c`, compiled, and for how long it stands still."""
+"""The clock of a suspended computer: compiles `clock.c`, and sets how long it stands still."""
 
 from __future__ import annotations
 

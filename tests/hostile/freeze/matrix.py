@@ -1,4 +1,4 @@
-"""All that is tried, or a part of it, several at a time, and a table of what came of it.
+"""Runs all combinations, or a part of them, several at a time, and prints the results.
 
 The command line is that of `.ci/freeze-matrix`, which states the rule.
 """

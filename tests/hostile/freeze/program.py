@@ -1,4 +1,4 @@
-"""The program under test: it moves the arm, says what it is told, and commands nothing afterwards.
+"""The program under test: it moves the arm, prints what it is told, and then commands nothing.
 
     python -m hostile.freeze.program PORT SCENE GUARD VARIANT PLAN
 

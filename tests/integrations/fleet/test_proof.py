@@ -1,4 +1,4 @@
-"""Who may say that a gateway's arms stand: only that gateway, which proves itself by its key."""
+"""Only a gateway itself, proven by its key, can report that its arms stand."""
 
 from __future__ import annotations
 

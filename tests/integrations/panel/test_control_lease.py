@@ -1,4 +1,4 @@
-"""Who commands the arm, and for how long: the state machine by itself."""
+"""Who commands the arm, and for how long: the state machine."""
 
 from __future__ import annotations
 

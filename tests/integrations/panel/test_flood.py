@@ -1,4 +1,4 @@
-"""A connection that sends too much, or asks nothing, costs itself and no page; a stop by HTTP."""
+"""A connection that sends too much is closed, and other pages go on; a stop by HTTP."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whatever a page says, it is a request or it is refused, and others are served on."""
+"""Any message of a page is a valid request or is refused, and other pages go on."""
 
 from __future__ import annotations
 

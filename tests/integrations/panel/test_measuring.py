@@ -1,4 +1,4 @@
-"""Tool and load as steps in the panel: what a page asks for, and what is written."""
+"""Tool and load as steps in the panel: requests, and the file that is written."""
 
 from __future__ import annotations
 

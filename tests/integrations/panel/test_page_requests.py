@@ -1,4 +1,4 @@
-"""What a page may ask for: its messages as checked values, and what it may not."""
+"""The requests of a page: messages as checked values, and what is refused."""
 
 from __future__ import annotations
 

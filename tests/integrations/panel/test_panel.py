@@ -1,4 +1,4 @@
-"""The panel's server without a browser: who gets a page, who a connection, who commands."""
+"""The panel's server without a browser: pages, connections, and who commands."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Goals, right and wrong, and clients that remember what they were told."""
+"""Goals, valid and invalid, and clients that record the results."""
 
 from __future__ import annotations
 

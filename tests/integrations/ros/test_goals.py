@@ -1,4 +1,4 @@
-"""Goals without an arm: what is taken, what is refused with which code, and nothing in between."""
+"""Goals without an arm: which are accepted, and the code of each refusal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a user of the Universal Robots driver looks for, on a simulated arm, without ROS."""
+"""Services of the Universal Robots driver, on a simulated arm, without ROS."""
 
 from __future__ import annotations
 

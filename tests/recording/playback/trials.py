@@ -1,4 +1,4 @@
-"""Recordings that are made beside two burning processes, played, and compared with the arm's way.
+"""Plays recordings that were made beside two burning processes, and compares the motion.
 
     .ci/play-trials [--count 20] [--seed 1] [--burning 2] [--bridge 0.005] [--keep FOLDER]
 

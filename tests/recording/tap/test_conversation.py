@@ -1,4 +1,4 @@
-"""Calls and answers out of bytes that passed, however they are cut and whatever they are."""
+"""Calls and answers from bytes that passed, however they are split."""
 
 from __future__ import annotations
 

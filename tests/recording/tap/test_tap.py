@@ -1,4 +1,4 @@
-"""What passes between a client and a controller is what was sent, whatever it is."""
+"""A tap passes on exactly the bytes of client and controller."""
 
 from __future__ import annotations
 

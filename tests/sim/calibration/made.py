@@ -1,4 +1,4 @@
-"""Recordings that were never recorded: what one would say of an arm with known parameters."""
+"""Made-up recordings of an arm with known parameters."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How corners are cut, from set-points of motions that blend."""
+"""How corners are blended, from set-points of motions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The mover: set-points cycle by cycle, through pauses, stops, speeds and blends."""
+"""The mover: set-points of each cycle, through pauses, stops, speeds and blends."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The servo follower: targets that replace each other, limits, stops."""
+"""The servo follower: targets that replace one another, limits, stops."""
 
 from __future__ import annotations
 

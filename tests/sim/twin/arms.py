@@ -1,4 +1,4 @@
-"""An arm in made-up time that does exactly what it is told, and errs where a test lets it."""
+"""An arm in simulated time that does exactly what it is told, with errors set by a test."""
 
 from __future__ import annotations
 

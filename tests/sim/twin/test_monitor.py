@@ -1,4 +1,4 @@
-"""What a twin says about an arm that does one thing differently, in made-up time."""
+"""Findings of a twin about an arm that differs in one thing, in simulated time."""
 
 from __future__ import annotations
 

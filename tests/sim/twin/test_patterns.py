@@ -1,4 +1,4 @@
-"""Which cause explains external torques: each, made exactly, is named, with its size."""
+"""Causes of external torques: each, made exactly, is named with its size."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a program that is tried may reach: its own servers, what was named, and nothing else."""
+"""What a program under preflight may reach: its own servers and the named ones."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The examples are good programs: nothing is found in them, with and without an address."""
+"""Preflight finds nothing in the examples, with and without an address."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a gripper grips, it is meant to touch; whatever else its fingers touch is found."""
+"""A gripper may touch what it grips; anything else that its fingers touch is found."""
 
 from __future__ import annotations
 
