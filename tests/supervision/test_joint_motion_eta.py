@@ -16,27 +16,27 @@ from aioduco.supervision.task_state import JointEta
 from aioduco.testing import eventually_async
 
 START = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5)
-COURSE = JointEta((1.0, 0.1, -0.8, 0.3, 0.4, 0.5), v=0.5, a=1.0)
+ETA = JointEta((1.0, 0.1, -0.8, 0.3, 0.4, 0.5), v=0.5, a=1.0)
 
 
 def test_the_time_is_that_of_the_joint_with_the_longest_way() -> None:
-    assert COURSE.seconds(START) == pytest.approx(1.0 / 0.5 + 0.5 / 1.0)
-    near = (0.9, *COURSE.target[1:])
-    assert COURSE.seconds(near) == pytest.approx(2 * (0.1 / 1.0) ** 0.5)  # it never gets to 0.5
-    assert COURSE.seconds(COURSE.target) == 0.0
-    assert JointEta(COURSE.target, v=0.5, a=None).seconds(START) is None
+    assert ETA.seconds(START) == pytest.approx(1.0 / 0.5 + 0.5 / 1.0)
+    near = (0.9, *ETA.target[1:])
+    assert ETA.seconds(near) == pytest.approx(2 * (0.1 / 1.0) ** 0.5)  # it never gets to 0.5
+    assert ETA.seconds(ETA.target) == 0.0
+    assert JointEta(ETA.target, v=0.5, a=None).seconds(START) is None
 
 
 @given(st.floats(0.0, 1.0))
 def test_the_part_of_the_way(part: float) -> None:
-    now = [a + part * (b - a) for a, b in zip(START, COURSE.target, strict=True)]
-    assert COURSE.part(START, now) == pytest.approx(part)
+    now = [a + part * (b - a) for a, b in zip(START, ETA.target, strict=True)]
+    assert ETA.part(START, now) == pytest.approx(part)
 
 
 def test_the_part_is_never_more_than_all_or_less_than_nothing() -> None:
-    assert COURSE.part(START, (-0.1, *START[1:])) == 0.0
-    assert COURSE.part(START, (2.0, *START[1:])) == 1.0
-    assert COURSE.part(COURSE.target, START) == 1.0  # there was no way to go
+    assert ETA.part(START, (-0.1, *START[1:])) == 0.0
+    assert ETA.part(START, (2.0, *START[1:])) == 1.0
+    assert ETA.part(ETA.target, START) == 1.0  # there was no way to go
 
 
 @pytest.mark.slow
