@@ -27,6 +27,8 @@ else:
 
 
 _PREFIXES = ("scene/", "tool/")
+#: what the arm stands on; a scene's plane "floor" replaces the arm's
+_STANDS_ON = ("floor", "scene/floor", "plate", "pedestal")
 _THING, _ARM, _FLOOR = 1, 2, 4  # bits of what may touch
 _SHARE = 0.9  # of the distance at an end that is kept near it
 _BESIDE = 0.01  # from an end, up to which no more is kept than there [m of the furthest point]
@@ -114,7 +116,7 @@ class CollisionChecker:
         model.geom_contype[~still & solid] = _ARM
         model.geom_conaffinity[~still & solid] = _ARM | _THING | _FLOOR
         for geom in range(model.ngeom):
-            if model.geom(geom).name.removeprefix("scene/") in ("floor", "plate", "pedestal"):
+            if model.geom(geom).name in _STANDS_ON:
                 model.geom_contype[geom], model.geom_conaffinity[geom] = _FLOOR, 0
             elif model.geom_bodyid[geom] == model.body("link1").id:
                 model.geom_conaffinity[geom] &= ~_FLOOR

@@ -169,6 +169,16 @@ def test_a_contact_that_is_allowed_is_none_until_it_is_forbidden() -> None:
         scene.forbid("nobody", "it")
 
 
+@for_each("name", ["part", "plate", "pedestal"])
+def test_link_1_touches_what_is_called_like_that_on_which_an_arm_stands(name: str) -> None:
+    geom = f'<geom name="{name}" type="box" pos="0.05 0 0.15" size="0.05 0.05 0.05"/>'
+    scene = Scene("gcr5_910", around=f"<mujoco><worldbody>{geom}</worldbody></mujoco>")
+    found = scene.clearance(READY)
+    assert found.pair is not None
+    assert found.pair[0] == "link1"
+    assert found.distance < -0.05
+
+
 def test_the_scene_of_a_running_simulator_is_as_it_is_now() -> None:
     box = Box(at=(0.4, 0.3, 0.5), size=(0.1, 0.1, 0.1), mass=0.5, name="box")
     table = Box(at=(0.4, 0.3, 0.1), size=(0.3, 0.3, 0.2), name="table")
