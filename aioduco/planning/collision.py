@@ -30,6 +30,7 @@ _PREFIXES = ("scene/", "tool/")
 #: what the arm stands on; a scene's plane "floor" replaces the arm's
 _STANDS_ON = ("floor", "scene/floor", "plate", "pedestal")
 _THING, _ARM, _FLOOR = 1, 2, 4  # bits of what may touch
+_CONTACT, _MEMORY = 1024, 2**24  # for one contact, and for all else; used only if needed [bytes]
 _SHARE = 0.9  # of the distance at an end that is kept near it
 _BESIDE = 0.01  # from an end, up to which no more is kept than there [m of the furthest point]
 _ROUNDING = 1e-7  # by which a distance at an end may be exceeded all the same [m]
@@ -79,6 +80,9 @@ def specification(
         spec.add_exclude(bodyname1="tool", bodyname2="link6")
     for one, other in allowed:
         spec.add_exclude(bodyname1=_body(spec, one), bodyname2=_body(spec, other))
+    # With too little memory MuJoCo leaves contacts out, so that what is nearest may be missing.
+    moving = len(spec.body("base").find_all(mujoco.mjtObj.mjOBJ_GEOM))
+    spec.memory = _MEMORY + _CONTACT * moving * len(spec.geoms)
     return spec
 
 

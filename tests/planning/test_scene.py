@@ -110,6 +110,17 @@ def test_a_cloud_of_points_is_as_far_as_its_nearest_point() -> None:
     assert near.distance < 0.09
 
 
+def test_the_nearest_thing_is_found_behind_thousands_of_points() -> None:
+    tip = Scene("gcr5_910").arm.fkine(READY)
+    points = np.random.default_rng(1).uniform(-0.1, 0.1, (2000, 3))
+    cloud = PointCloud(at=(*tip[:2, 3], 1.2), points=points, radius=0.003, name="cloud")
+    ball = Sphere(at=tuple((tip @ (0.0, 0.0, 0.05, 1.0))[:3]), radius=0.02, name="ball")
+    scene = Scene("gcr5_910", [cloud, ball])
+    found = scene.checker().clearance(READY.array, 1.5, itself=False)
+    assert found.pair is not None
+    assert found.pair[1] == "ball"
+
+
 def test_things_have_names_and_can_be_taken_away() -> None:
     scene = Scene("gcr5_910", [Box(name="one"), Box()])
     assert [thing.name for thing in scene] == ["one", "thing2"]
