@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 
 
 _PADDING = Number(0.0005, 0.1, "m", source="this package")
+#: names of the arm's own bodies, of its tool, and of what is around them
+_OWN_NAMES = {"world", "floor", "base", "flange", "tool", *map("link{}".format, range(1, 7))}
 
 
 class Scene:
@@ -153,7 +155,8 @@ class Scene:
             things: each with a name of its own; one without gets a number.
 
         Raises:
-            SceneError: there is a thing of this name already, or an argument is not a thing.
+            SceneError: there is a thing of this name already, or it is that of a part of the arm;
+                or an argument is not a thing.
         """
         with self._changing():
             named = dict(self._things)
@@ -166,6 +169,11 @@ class Scene:
                 taken.add(name)
                 if name in named:
                     raise SceneError(f"there is a thing called {name!r} already; nothing was added")
+                if name in _OWN_NAMES:
+                    raise SceneError(
+                        f"{name!r} is the arm's own, or what it stands on: give the thing another "
+                        "name; nothing was added"
+                    )
                 named[name] = dataclasses.replace(thing, name=name)
             self._things = named
 
@@ -207,12 +215,12 @@ class Scene:
             joints: configuration of the arm when it grips the thing [rad].
 
         Raises:
-            SceneError: there is no thing of this name.
+            SceneError: there is no thing of this name, or it is a part of the arm.
             ParameterError: the configuration is not six joint angles, or out of range.
         """
         q = np.array(JOINTS("joints", joints))
         with self._changing():
-            self._attached[name] = self._own.place(q, self._body(name))
+            self._attached[name] = self._own.place(q, self._thing(name))
             self._loose = None if self._loose is None else self._loose_without(name)
 
     def detach(self, name: str, joints: JointsLike) -> None:
@@ -414,8 +422,18 @@ class Scene:
             )
         return self._things[name]
 
+    def _thing(self, name: str) -> str:
+        things = [each[len("scene/") :] for each in self._bodies() if each.startswith("scene/")]
+        if name not in things:
+            there = ", ".join(sorted(filter(None, things))) or "none"
+            raise SceneError(f"nothing is called {name!r} of what the flange could hold: {there}")
+        return name
+
+    def _bodies(self) -> list[str]:
+        return [self.compiled().body(i).name for i in range(1, self.compiled().nbody)]
+
     def _body(self, name: str) -> str:
-        names = [self.compiled().body(i).name for i in range(1, self.compiled().nbody)]
+        names = self._bodies()
         known = {"floor", *names, *(each.partition("/")[2] for each in names)} - {""}
         if name not in known:
             raise SceneError(f"nothing is called {name!r}; there are {', '.join(sorted(known))}")

@@ -136,6 +136,18 @@ def test_things_have_names_and_can_be_taken_away() -> None:
         Scene("gcr5_910", padding=0.0)
 
 
+@for_each("name", ["link3", "base", "flange", "tool", "floor", "world"])
+def test_no_thing_is_called_like_a_part_of_the_arm_and_no_part_is_held(name: str) -> None:
+    """Allowed to touch link5, such a thing called link3 let the arm touch itself."""
+    scene = Scene("gcr5_910", [Box(at=(0.5, 0.0, 0.1), name="part")], tool=[Rod()])
+    with pytest.raises(SceneError, match="another name"):
+        scene.add(Box(name=name))
+    for other in (name, "scene/part"):
+        with pytest.raises(SceneError, match="could hold: part"):
+            scene.attach(other, READY)
+    assert not scene.attached
+
+
 def test_what_is_held_moves_with_the_arm_and_stays_where_it_is_let_go() -> None:
     part = Box(at=(0.45, 0.1, 0.35), size=(0.04, 0.04, 0.04), name="part")
     scene = Scene("gcr5_910", [part], tool=[Rod(length=0.05)])
