@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias, get_args
 
 from aioduco.errors import Described, ParameterError
 from aioduco.models.pose import Joints
-from aioduco.models.ranges import FINITE, OWN_NAME_OR_NONE
+from aioduco.models.ranges import FINITE, OWN_NAME_OR_NONE, POSE
 from aioduco.models.rules import FARTHEST, Number, VectorLike, ordered
 from aioduco.models.words import one_of
 
@@ -172,7 +172,7 @@ class Zone(EnvelopeLimit):
             ParameterError: an argument has a wrong type or value.
         """
         numbers = _place("at", at, 3, 6)
-        turn = _rotation(*numbers[3:]) if len(numbers) == 6 else _rotation(0.0, 0.0, 0.0)
+        turn = _rotation(*(POSE("at", numbers)[3:] if len(numbers) == 6 else (0.0, 0.0, 0.0)))
         return cls(
             shape="box", keep=keep, at=numbers[:3], size=_numbers("size", size, 3), turn=turn,
             bodies=_bodies(bodies), action=action, speed=speed, name=name,

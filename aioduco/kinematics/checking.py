@@ -15,7 +15,7 @@ from aioduco.kinematics.catalogue import arm_given
 from aioduco.kinematics.forward import singular_values
 from aioduco.models.bounds import least, most, shown
 from aioduco.models.pose import Joints, JointsLike, Pose, PoseLike
-from aioduco.models.ranges import POSE
+from aioduco.models.ranges import JOINTS, POSE
 from aioduco.models.rules import Number
 
 if TYPE_CHECKING:
@@ -131,7 +131,7 @@ def check(
     named = _named(points)
     to_tip = Pose(0, 0, 0, 0, 0, 0) if tool is None else Pose(*POSE("tool", tool))
     base = Pose(0, 0, 0, 0, 0, 0) if wobj is None else Pose(*POSE("wobj", wobj))
-    before = Joints.of(near)
+    before = Joints(*JOINTS("near", near))
     reached: list[Joints | None] = []
     findings: list[Finding] = []
     for index, (name, point) in enumerate(named.items()):

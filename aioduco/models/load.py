@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from aioduco.errors import ParameterError
 from aioduco.models.pose import Pose, PoseLike
+from aioduco.models.ranges import POSE
 
 
 class Load(NamedTuple):
@@ -46,8 +47,12 @@ class Load(NamedTuple):
 
         Args:
             tool_offset: the tool in the flange's frame [m, rad], as of `get_tcp_offset`.
+
+        Raises:
+            ParameterError: the offset is no pose, or out of range.
         """
-        centre = Pose.of(tool_offset).inverse() @ Pose(self.x, self.y, self.z, 0.0, 0.0, 0.0)
+        tool = Pose(*POSE("tool_offset", tool_offset))
+        centre = tool.inverse() @ Pose(self.x, self.y, self.z, 0.0, 0.0, 0.0)
         return Load(self.mass, *centre[:3])
 
     def in_flange(self, tool_offset: PoseLike) -> Load:
@@ -55,8 +60,12 @@ class Load(NamedTuple):
 
         Args:
             tool_offset: the tool in the flange's frame [m, rad], as of `get_tcp_offset`.
+
+        Raises:
+            ParameterError: the offset is no pose, or out of range.
         """
-        centre = Pose.of(tool_offset) @ Pose(self.x, self.y, self.z, 0.0, 0.0, 0.0)
+        tool = Pose(*POSE("tool_offset", tool_offset))
+        centre = tool @ Pose(self.x, self.y, self.z, 0.0, 0.0, 0.0)
         return Load(self.mass, *centre[:3])
 
     def _sum(self, other: Load, sign: float) -> Load:

@@ -16,8 +16,8 @@ from aioduco._process.spawn import Unstartable
 from aioduco._process.threads import in_thread
 from aioduco.errors import MissingExtra, NoPathFound, ParameterError, PlanningError
 from aioduco.models.bounds import clipped
-from aioduco.models.pose import Joints, JointsLike, Pose, PoseLike
-from aioduco.models.ranges import POSE
+from aioduco.models.pose import JointsLike, Pose, PoseLike
+from aioduco.models.ranges import JOINTS, POSE
 from aioduco.models.rules import Integer, Number
 from aioduco.planning.motion_limits import MotionLimits
 from aioduco.planning.plan import Plan
@@ -275,7 +275,7 @@ class Planner(Closable):
         timeout = _TIMEOUT("timeout", timeout)
         problem = PlanningProblem(
             arm=scene.arm,
-            start=clipped(Joints.of(start), scene.arm.lower, scene.arm.upper),
+            start=clipped(JOINTS("start", start), scene.arm.lower, scene.arm.upper),
             goals=goals,
             limits=MotionLimits.of(scene.arm, v, a, jerk),
             tip=self._tip,

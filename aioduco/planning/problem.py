@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 from aioduco.errors import ParameterError
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.ranges import POSE
-from aioduco.models.rules import Number, Vector
+from aioduco.models.rules import FARTHEST, Number, Vector
 
 if TYPE_CHECKING:
     import numpy as np
@@ -21,7 +22,8 @@ if TYPE_CHECKING:
     Points = NDArray[np.float64]
 
 
-_SIZES = Vector(Number(0.0, unit="m or rad", source="this package"), length=3)
+_SIZES = Vector(Number(0.0, unit="m", plausible=FARTHEST, source="this package"), length=3)
+_TURNS = Vector(Number(0.0, 2 * math.pi, "rad", source="this package"), length=3)
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +33,7 @@ class Region:
     Attributes:
         at: the pose of the tool in the middle, in the base frame [m, rad].
         size: whole lengths of the box along the axes of `at` [m].
-        turn: largest turns about them, to either side [rad].
+        turn: largest turns about them, to either side, 0 to 2π [rad].
     """
 
     at: Pose
@@ -40,8 +42,8 @@ class Region:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "at", Pose.of(self.at))
-        for name in ("size", "turn"):
-            object.__setattr__(self, name, tuple(_SIZES(name, getattr(self, name))))
+        for name, rule in (("size", _SIZES), ("turn", _TURNS)):
+            object.__setattr__(self, name, tuple(rule(name, getattr(self, name))))
 
 
 Goal: TypeAlias = Joints | Pose | Region

@@ -14,7 +14,7 @@ import numpy as np
 
 from aioduco.errors import MissingExtra, ParameterError, SceneError
 from aioduco.kinematics.catalogue import arm_given
-from aioduco.models.pose import Joints, JointsLike, Pose, PoseLike
+from aioduco.models.pose import JointsLike, Pose, PoseLike
 from aioduco.models.ranges import JOINTS
 from aioduco.models.rules import Number
 from aioduco.planning.clearance import FURTHEST, TOUCHING, Clearance
@@ -277,6 +277,7 @@ class Scene:
 
         Raises:
             SceneError: MuJoCo rejects the scene.
+            ParameterError: the configuration is not six joint angles, or out of range.
         """
         return self._clearance(joints, FURTHEST)
 
@@ -287,6 +288,10 @@ class Scene:
 
         Args:
             joints: joint angles [rad]. Shape (6,).
+
+        Raises:
+            SceneError: MuJoCo rejects the scene.
+            ParameterError: the configuration is not six joint angles, or out of range.
         """
         return self._clearance(joints, 1e-9).distance < -TOUCHING
 
@@ -326,6 +331,7 @@ class Scene:
         camera: Camera | None = None,
     ) -> Iterator[NDArray[np.uint8]]:
         """Draw several configurations, one after another, by one process: see `picture`."""
+        shown = [JOINTS("joints", joints) for joints in configurations]
         spec = self._specification()
         from aioduco.sim.physics.model import dressed  # noqa: PLC0415 - for pictures alone
         from aioduco.sim.view.camera import towards  # noqa: PLC0415
@@ -335,8 +341,8 @@ class Scene:
         model = dressed(spec, self.arm)
         studio = PictureProcess(lambda: model)
         try:
-            for joints in configurations:
-                positions = np.concatenate([Joints.of(joints).array, self.loose])
+            for joints in shown:
+                positions = np.concatenate([joints, self.loose])
                 yield studio.picture(positions, width, height, seen)
         finally:
             studio.close()
@@ -384,7 +390,7 @@ class Scene:
 
     def _clearance(self, joints: JointsLike, within: float) -> Clearance:
         """Measure the clearance up to a distance [m]."""
-        q = Joints.of(joints).array
+        q = np.array(JOINTS("joints", joints))
         with self._lock:
             return self._own.clearance(q, within)
 
