@@ -7,6 +7,7 @@ force sensor's after taring, and for each joint that of friction and of the cont
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -17,6 +18,7 @@ from aioduco.kinematics.measured import bound, rigid_frames
 from aioduco.kinematics.mounting import GRAVITY
 from aioduco.models.load import Load
 from aioduco.models.numpy_on_use import number_array
+from aioduco.models.ranges import JOINTS, PAYLOAD
 from aioduco.models.rotation import Array, crossing
 from aioduco.models.rules import Number, Vector, VectorLike
 
@@ -128,12 +130,14 @@ def identify_load_by_torques(
         ParameterError: an argument has a wrong shape or value, or there are fewer than six poses.
         CalibrationError: the poses differ too little, or the readings show no load.
     """
-    count = _enough("joints", len(joints))
-    q = _rows("joints", joints, count)
+    q = _configurations(joints)
+    count = _enough("joints", len(q))
     read = _centred(_rows("torques", torques, count))
     down = _acceleration(gravity)
-    if known is not None and not isinstance(known, Load):
-        raise ParameterError("known", known, "a Load, or None")
+    if known is not None:
+        if not isinstance(known, Load):
+            raise ParameterError("known", known, "a Load, or None")
+        known = Load(*PAYLOAD("known", known))
     model = arm_given("arm", arm)
     moves = np.swapaxes(model.jacobian(q), 1, 2)
     turns = model.fkine(q)[:, :3, :3]
@@ -222,6 +226,14 @@ def _enough(name: str, count: int) -> int:
     if count < MIN_POSES:
         raise ParameterError(name, f"{count} poses", f"{MIN_POSES} or more")
     return count
+
+
+def _configurations(given: Any) -> Array:
+    """Joints of each pose [rad]. Shape (n, 6)."""
+    if not isinstance(given, Iterable):
+        raise ParameterError("joints", given, "six joint positions in rad for each pose")
+    found = [JOINTS(f"joints[{number}]", each) for number, each in enumerate(given)]
+    return np.array(found).reshape(-1, 6)
 
 
 def _rows(name: str, given: Any, count: int) -> Array:

@@ -172,6 +172,19 @@ def test_wrong_arguments_are_refused() -> None:
         identify_load_by_forces(frames, read, gravity=(0.0, 0.0))
 
 
+@for_each("known", [2.0, Load(-1.0), Load(np.nan), Load("2")])  # type: ignore[arg-type]  # a text
+def test_what_is_no_known_load_is_refused(known: Any) -> None:
+    read = torques(Load(1.0, 0.0, 0.0, 0.1))
+    with pytest.raises(ParameterError, match="known"):
+        identify_load_by_torques(GCR5, POSES, read, known=known)
+
+
+@for_each("joints", [None, 5, POSES[:, :5], [Pose(*q) for q in POSES], "12345678"])
+def test_what_is_no_list_of_joints_is_refused(joints: Any) -> None:
+    with pytest.raises(ParameterError, match="joints"):
+        identify_load_by_torques(GCR5, joints, torques(Load(1.0)))
+
+
 @pytest.mark.slow
 async def test_a_load_hidden_on_a_simulated_arm_is_found_by_both_sensors() -> None:
     draw = np.random.default_rng(3)

@@ -11,11 +11,12 @@ import pytest
 from for_each import for_each
 from interpreter import python
 
-from aioduco import Joints, ParameterError, SceneError
+from aioduco import Joints, Load, ParameterError, Pose, SceneError
 from aioduco.descriptions import ToolDescription
+from aioduco.envelope import Zone
 from aioduco.kinematics import arm as arm_of
-from aioduco.kinematics import calibrate_tool_tip, check, models
-from aioduco.planning import Ground, Mesh, Planner, PointCloud, Scene
+from aioduco.kinematics import calibrate_tool_tip, check, identify_load_by_torques, models
+from aioduco.planning import Ground, Mesh, Planner, PointCloud, Region, Scene
 from aioduco.sim import Simulator
 from aioduco.sim.physics.world import World
 from aioduco.sim.scene import Box, Cylinder, Rod, Sphere, mjcf_of
@@ -315,12 +316,34 @@ def test_a_thing_is_moved_to_no_place_that_is_none(at: Any) -> None:
         lambda pose: check([], arm="gcr5_910", near=[0.0] * 6, tool=pose),
         lambda pose: check([], arm="gcr5_910", near=[0.0] * 6, wobj=pose),
         lambda pose: calibrate_tool_tip([pose] * 6),
+        lambda pose: Zone.box(pose, (0.1, 0.1, 0.1)),
+        lambda pose: Load(1.0).in_tool(pose),
+        lambda pose: Load(1.0).in_flange(pose),
     ],
 )
 def test_a_pose_in_degrees_is_refused(give: Callable[[list[float]], object]) -> None:
     """A thing, or a tool, was turned by another angle: plans led through it."""
     with pytest.raises(ParameterError, match="radians, not degrees"):
         give([0.5, 0.0, 0.3, 0.0, 0.0, 90.0])
+
+
+@for_each(
+    "give",
+    [
+        lambda q: Scene("gcr5_910").clearance(q),
+        lambda q: Scene("gcr5_910").collides(q),
+        lambda q: Scene("gcr5_910").picture(q),
+        lambda q: Planner(Scene("gcr5_910")).plan_blocking(q, READY),
+        lambda q: Planner(Scene("gcr5_910")).line_blocking(q, Pose(0.5, 0.0, 0.3, 3.0, 0.0, 0.0)),
+        lambda q: check([READY], arm="gcr5_910", near=q),
+        lambda q: identify_load_by_torques("gcr5_910", [q] * 6, [q] * 6),
+        lambda q: Region(Pose(0.5, 0.0, 0.3, math.pi, 0.0, 0.0), turn=(0.0, 0.0, 180.0)),
+    ],
+)
+def test_joints_in_degrees_are_refused(give: Callable[[Any], object]) -> None:
+    """Distances were those of an arm that stands elsewhere."""
+    with pytest.raises(ParameterError, match="radians, not degrees"):
+        give(READY.degrees)
 
 
 _MANY_THREADS = """
