@@ -173,7 +173,9 @@ def _free(
     if not any(each.distance >= -TOUCHING for each in clearances):
         raise _goal_in_collision(problem, reached, clearances)
     # The nearest goals, with all of the padding, may have no path where other goals have one.
-    exact = [goal.array for goal in problem.goals if isinstance(goal, Joints)]
+    exact = [
+        clipped(goal, arm.lower, arm.upper) for goal in problem.goals if isinstance(goal, Joints)
+    ]
     further = [
         (other, c)
         for q, c in zip(reached, clearances, strict=True)

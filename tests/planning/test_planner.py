@@ -232,6 +232,14 @@ def test_where_there_is_no_way_none_is_found() -> None:
         planner.plan_blocking(start, goal, timeout=0.3)
 
 
+def test_joints_at_a_limit_are_not_reached_by_another_turn() -> None:
+    """As the wire rounds a whole turn, it is a little more: the plan then led to 0."""
+    curtain = Box(at=(-0.8, 0.0, 1.0), size=(1.3, 0.02, 2.0), name="curtain")
+    goal = Joints(float(np.float32(2 * np.pi)), *INSIDE[1:])
+    with Planner(Scene("gcr5_910", [curtain])) as planner, pytest.raises(NoPathFound):
+        planner.plan_blocking(Joints.deg(20, 20, 70, 0, -90, 0), goal, timeout=0.8)
+
+
 def test_a_plan_to_where_the_arm_is_takes_no_time(planner: Planner) -> None:
     assert planner.plan_blocking(LEFT, LEFT).duration == 0.0
 
