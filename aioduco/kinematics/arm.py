@@ -196,15 +196,17 @@ class Arm:
             raise Unreachable(
                 f"{self.name} reaches {Pose.from_matrix(target)} only outside its joint limits"
             )
-        best = min(inside, key=lambda q: math.dist(q, near))
         if max_jump is not None:
-            jumps = [abs(a - b) for a, b in zip(best, near, strict=True)]
-            if max(jumps) > max_jump:
+            turns = [[abs(a - b) for a, b in zip(q, near, strict=True)] for q in inside]
+            least = min(turns, key=max)
+            if max(least) > max_jump:
                 raise Unreachable(
                     f"the nearest configuration for {Pose.from_matrix(target)} turns joint "
-                    f"{jumps.index(max(jumps)) + 1} by {max(jumps):.4f} rad, "
+                    f"{least.index(max(least)) + 1} by {max(least):.4f} rad, "
                     f"more than {max_jump:.4f} rad"
                 )
+            inside = [q for q, each in zip(inside, turns, strict=True) if max(each) <= max_jump]
+        best = min(inside, key=lambda q: math.dist(q, near))
         return np.array(best)
 
     def _solve(self, target: Array, q6: float) -> list[single.Configuration]:

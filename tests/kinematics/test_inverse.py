@@ -393,6 +393,15 @@ def test_joint_limits_and_jumps_are_refused() -> None:
         FIVE.ikine(flange, q + np.array([0, 0, 0, 0.55, 0, 0]), max_jump=0.2)
 
 
+def test_a_configuration_within_the_jump_is_found_beside_a_nearer_one_that_is_not() -> None:
+    """Near a stretched arm two configurations are close to each other."""
+    q = np.array([0.2216, -0.2343, 0.0346, 0.9715, 1.2, 0.6860])
+    near = np.array([0.3717, -0.0576, -0.0606, 0.7764, 1.1932, 0.5591])
+    flange = FIVE.fkine(q)
+    assert np.abs(FIVE.ikine(flange, near) - near).max() > 0.22
+    assert np.abs(FIVE.ikine(flange, near, max_jump=0.2) - near).max() < 0.2
+
+
 def test_poses_of_any_kind_are_taken() -> None:
     q = np.array([0.3, 0.4, 1.2, 0.5, -1.1, 2.0])
     pose = Pose.from_matrix(FIVE.fkine(q))
