@@ -17,7 +17,7 @@ from aioduco.kinematics.mounting import MountingLike, base_in_world
 from aioduco.models import ranges
 from aioduco.models.pose import Joints, Pose, PoseLike
 from aioduco.models.rotation import Array, transform
-from aioduco.models.rules import Number, Vector, stored
+from aioduco.models.rules import FARTHEST, Number, Vector, VectorLike, stored
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -39,6 +39,8 @@ WORD = re.compile(r"[A-Za-z]\w*", re.ASCII)
 """What names of models and prefixes consist of."""
 
 _THREE = Vector(Number(source="this package"), length=3, source="this package")
+_PLACE = Vector(Number(unit="m", plausible=FARTHEST, source="this package"), length=3)
+_RADIUS = Number(0.0, unit="m", open_low=True, plausible=FARTHEST, source="this package")
 _DENSITY = 2700.0  # density of aluminium, for tools of unknown size [kg/m³]
 
 
@@ -63,23 +65,28 @@ class ToolDescription:
     inertia: Sequence[float] | None = None
 
     def __post_init__(self) -> None:
-        ranges.POSE("tcp", self.tcp)
         stored(self, mass=ranges.FROM_0)
-        _THREE("centre", self.centre)
+        # Stored as tuples: what becomes of the caller's own lists has no effect.
+        object.__setattr__(self, "tcp", tuple(ranges.POSE("tcp", self.tcp)))
+        object.__setattr__(self, "centre", tuple(_PLACE("centre", self.centre)))
         if self.inertia is not None:
-            low, middle, high = sorted(_THREE("inertia", self.inertia))
+            inertia = tuple(_THREE("inertia", self.inertia))
+            low, middle, high = sorted(inertia)
             if not 0.0 < low <= high <= low + middle:
                 raise ParameterError(
                     "inertia", self.inertia, "three numbers above 0, none above the others' sum"
                 )
+            object.__setattr__(self, "inertia", inertia)
         if not isinstance(self.parts, (list, tuple)):
             raise ParameterError("parts", self.parts, "a list of Capsules")
+        parts = []
         for number, part in enumerate(self.parts):
             if not isinstance(part, Capsule):
                 raise ParameterError(f"parts[{number}]", part, "a Capsule")
-            _THREE("start", part.start)
-            _THREE("end", part.end)
-            ranges.ABOVE("radius", part.radius)
+            start, end = (_point(name, getattr(part, name)) for name in ("start", "end"))
+            radius = _RADIUS("radius", part.radius)
+            parts.append(part._replace(start=start, end=end, radius=radius))
+        object.__setattr__(self, "parts", tuple(parts))
 
     def inertias(self) -> Array:
         """Return the inertia about the centre of mass, in the flange's frame. Shape (3, 3)."""
@@ -117,6 +124,8 @@ class ArmDescription:
     def __post_init__(self) -> None:
         if not isinstance(self.prefix, str) or (self.prefix and not WORD.fullmatch(self.prefix)):
             raise ParameterError("prefix", self.prefix, "letters, digits and _, a letter first")
+        if self.mounting is not None and not isinstance(self.mounting, str):
+            object.__setattr__(self, "mounting", tuple(ranges.POSE("mounting", self.mounting)))
         if not isinstance(self.tool, (ToolDescription, type(None))):
             raise ParameterError("tool", self.tool, "a ToolDescription, or None for no tool")
         self.tree()
@@ -168,6 +177,11 @@ class ArmDescription:
             links.append(link)
             joints.append(_fixed(name(called), name(parent), link.name, pose))
         return ArmTree(self, tuple(links), tuple(joints))
+
+
+def _point(name: str, value: VectorLike) -> tuple[float, float, float]:
+    x, y, z = _PLACE(name, value)
+    return x, y, z
 
 
 def _fixed(name: str, parent: str, child: str, pose: Array) -> JointDescription:

@@ -16,7 +16,7 @@ import pytest
 from for_each import for_each
 
 from aioduco import Joints, ParameterError, Pose
-from aioduco.descriptions import ArmDescription, Capsule, ToolDescription, srdf, urdf
+from aioduco.descriptions import ArmDescription, Capsule, ToolDescription, mjcf, srdf, urdf
 from aioduco.descriptions.texts import ArmLike
 from aioduco.kinematics import Arm, arm, models
 from aioduco.kinematics.bodies import bodies
@@ -249,6 +249,26 @@ def test_what_is_wrong_is_said(tmp_path: Path) -> None:
     for parts in list[Any]([None, "hand", {}, [1.0]]):
         with pytest.raises(ParameterError, match="parts"):
             ToolDescription(parts=parts)
+
+
+@for_each("kind", [list, np.array])
+def test_a_description_keeps_its_numbers_whatever_becomes_of_the_callers(kind: Any) -> None:
+    centre, end, tcp, place = (kind([0.0, 0.0, 0.1, 0.0, 0.0, 0.0][:n]) for n in (3, 3, 6, 6))
+    parts = [Capsule(kind([0.0, 0.0, 0.0]), end, 0.02)]
+    tool = ToolDescription(mass=1.0, centre=centre, tcp=tcp, parts=parts)
+    arm = ArmDescription("gcr5_910", mounting=place, tool=tool)
+    before = urdf(arm), mjcf(arm)
+    for given in (centre, end, tcp, place):
+        given[2] = np.nan
+    parts.clear()
+    assert (urdf(arm), mjcf(arm)) == before
+    assert len({arm, arm}) == 1
+
+
+@for_each("given", [{"centre": (0, 0, 90)}, {"parts": [Capsule((0, 0, 0), (0, 0, 90), 0.04)]}])
+def test_a_tool_in_millimetres_is_refused(given: dict[str, Any]) -> None:
+    with pytest.raises(ParameterError, match=r"\(millimetres\?\)"):
+        ToolDescription(mass=1.0, **given)
 
 
 def test_home_is_that_of_the_examples() -> None:
