@@ -14,6 +14,7 @@ import numpy as np
 from aioduco.errors import CalibrationError, Described, ParameterError
 from aioduco.kinematics.measured import bound, rigid_frames
 from aioduco.models.pose import Pose, PoseLike
+from aioduco.models.rules import Number
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
 
 
+_LIMIT = Number(0.0, unit="m", open_low=True, source="this package")
 _MIN_TOUCHES = 4  # three determine the tip, and the fourth verifies it
 _MIN_TURN = 0.2  # smallest root mean square of how far the touches turn the tool [rad]
 _MIN_DISTANCE = 0.01  # of the points of the axes from the tip, and from the first axis [m]
@@ -86,8 +88,7 @@ def calibrate_tool_tip(
     count = len(hands)
     if count < _MIN_TOUCHES:
         raise ParameterError("flanges", Described(f"{count} touches"), f"{_MIN_TOUCHES} or more")
-    if not 0.0 < limit < np.inf:
-        raise ParameterError("limit", limit, "above 0 [m]")
+    limit = _LIMIT("limit", limit)
     turns, places = hands[:, :3, :3], hands[:, :3, 3]
     _check_turns(turns)
     rows = np.hstack([turns.reshape(-1, 3), np.tile(-np.eye(3), (count, 1))])

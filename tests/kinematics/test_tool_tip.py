@@ -134,8 +134,9 @@ def test_wrong_arguments_are_refused() -> None:
     given = touches(touching(), np.full(3, 0.1), np.ones(3), 0.0)
     with pytest.raises(ParameterError, match="3 touches"):
         calibrate_tool_tip(given[:3])
-    with pytest.raises(ParameterError, match="limit"):
-        calibrate_tool_tip(given, limit=0.0)
+    for limit in (0.0, np.inf, None, "2 mm"):
+        with pytest.raises(ParameterError, match="limit"):
+            calibrate_tool_tip(given, limit=limit)  # type: ignore[arg-type]  # what is tested
     missing: Any = [given[0], None, *given[2:]]
     with pytest.raises(ParameterError, match="in touch 1 a rigid frame"):
         calibrate_tool_tip(missing)

@@ -17,6 +17,7 @@ import numpy as np
 from aioduco.errors import CalibrationError, Described, ParameterError
 from aioduco.kinematics.measured import bound, nearest_rotation, rigid_frames
 from aioduco.models.rotation import crossing, matrix_from_rotvec, rotvec_from_matrix, transform
+from aioduco.models.rules import Number, Vector
 from aioduco.models.words import one_of
 
 if TYPE_CHECKING:
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     Matrix = NDArray[np.float64]
 
 
+_LIMITS = Vector(Number(0.0, unit="m or rad", open_low=True, source="this package"), length=2)
 _MIN_VIEWS = 4  # number of views: three determine the pose, and the fourth verifies it
 _MIN_ROTATION = 0.05  # minimum rotation between views, about two axes [rad]
 _STEPS = 30  # of Newton's method, at most
@@ -93,20 +95,19 @@ def calibrate_hand_eye(
             "boards", Described(f"{len(seen)} views"), f"{len(hands)}, as many as flanges"
         )
     one_of("mounted", mounted, ("flange", "beside"))
-    if np.shape(limits) != (2,) or not all(0.0 < each < np.inf for each in limits):
-        raise ParameterError("limits", limits, "two numbers above 0 [m, rad]")
+    farthest, widest = _LIMITS("limits", limits)
     moved: Matrix = hands if mounted == "flange" else np.linalg.inv(hands).astype(np.float64)
     _check_turns(moved[:, :3, :3])
     camera, board, spread = _fitted(moved, seen, *_first(moved, seen))
     errors = _errors(moved, seen, camera, board)
     distances = np.linalg.norm(errors[:, 3:], axis=1)
     angles = np.linalg.norm(errors[:, :3], axis=1)
-    if not (distances.max() <= limits[0] and angles.max() <= limits[1]):
-        worst = int(np.argmax(distances / limits[0] + angles / limits[1]))
+    if not (distances.max() <= farthest and angles.max() <= widest):
+        worst = int(np.argmax(distances / farthest + angles / widest))
         raise CalibrationError(
             f"the views disagree on where the board is: in view {worst} it is "
             f"{distances[worst]:.4f} m and {angles[worst]:.4f} rad off, at most "
-            f"{limits[0]:g} m and {limits[1]:g} rad are allowed. Leave views out that are blurred, "
+            f"{farthest:g} m and {widest:g} rad are allowed. Leave views out that are blurred, "
             "and check the size of the squares, the intrinsics and which joints go with which view"
         )
     turn, place = (

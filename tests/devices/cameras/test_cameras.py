@@ -223,7 +223,7 @@ def test_frames_that_are_none_are_refused() -> None:
             calibrate_hand_eye(hands, seen)
         with pytest.raises(ParameterError, match="boards"):
             calibrate_hand_eye(flanges, hands)
-    for limits in ((0.0, 0.02), (np.nan, 0.02), (0.005,), 0.005):
+    for limits in ((0.0, 0.02), (np.nan, 0.02), (0.005,), 0.005, ("5 mm", 0.02)):
         with pytest.raises(ParameterError, match="limits"):
             calibrate_hand_eye(flanges, seen, limits=limits)  # type: ignore[arg-type]  # wrong values are the point
 
