@@ -60,6 +60,7 @@ _MOST = 1000  # largest number of steps
 _HALVINGS = 6  # halvings of a step that seems to cross a limit
 _LOOKS = 12  # least number of poses on a path at which the joints are computed, if it has as many
 _SAME = 1e-6  # distance up to which two positions count as equal [m]
+_STRAIGHT = 1e-9  # sine of an angle between three points whose circle is larger than any arm
 _CUTS = (0.25, 0.5, 0.75, 1.0)  # shares of a blend radius at which the corner's chords are checked
 
 
@@ -263,8 +264,9 @@ def _arc(start: Array, first: Array, second: Array, mode: int, *, full: bool) ->
     ab, ac = b - a, c - a
     normal = np.cross(ab, ac)
     size = float(normal @ normal)
-    if size < _SAME**2 * max(float(ab @ ab), float(ac @ ac), _SAME**2):
-        return _line(start, second)  # no circle: the controller refuses it
+    around = float(ab @ ab), float(ac @ ac)
+    if min(*around, math.dist(b, c) ** 2) < _SAME**2 or size < _STRAIGHT**2 * math.prod(around):
+        return _line(start, second)  # no circle within reach: the controller refuses it
     centre = a + (np.cross(normal, ab) * (ac @ ac) + np.cross(ac, normal) * (ab @ ab)) / (2 * size)
     axis = normal / math.sqrt(size)
     x, y = a - centre, np.cross(axis, a - centre)

@@ -22,6 +22,7 @@ from aioduco.envelope import (
     Zone,
 )
 from aioduco.envelope.checker import EnvelopeChecker
+from aioduco.envelope.ways import Start, way_of
 from aioduco.errors import ParameterError
 from aioduco.kinematics import arm
 from aioduco.kinematics.forward import frames
@@ -233,6 +234,19 @@ def test_millimetres_are_no_zone_that_no_arm_ever_meets(make: Any) -> None:
 def test_millimetres_per_second_are_no_limit_that_holds_nothing(make: Any) -> None:
     with pytest.raises(ParameterError, match="must be a number above 0, up to 20 m/s"):
         make()
+
+
+@for_each("function", ["movec", "move_circle"])
+def test_a_circle_through_points_close_together_is_as_large_as_it_is(function: str) -> None:
+    """Points half a millimetre apart, and less than a micrometre off a line: taken for a line."""
+    here = Pose.from_matrix(ARM.fkine(START))
+    points = here.shifted(x=-1e-3), here.shifted(x=-5e-4, z=5e-7)
+    sides = [1e-3, 5e-4, 5e-4]
+    radius = math.prod(sides) / (4 * (1e-3 * 5e-7 / 2))
+    way = way_of(ARM, function, (*points, 0.1, 0.1, 0.0, 1, None, "", ""), Start(START, NONE, NONE))
+    assert way is not None
+    furthest = max(math.dist(each[9:], here[:3]) for each in way.configs)
+    assert furthest == pytest.approx(2 * radius, rel=1e-3)
 
 
 def test_margins_leave_out_a_zone_of_bodies_whose_places_are_not_known() -> None:
