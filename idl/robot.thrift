@@ -294,12 +294,12 @@ service RPCRobot {
   i32 stop_manual_move(1: bool block)
   /** Read following motions ahead at `per` percent of the path, or `num` of them. */
   i32 set_blend_ahead(1: i32 per, 2: i32 num)
-  /** Move the joints to `joints_list` rad; v and a in percent. Not in the manual. */
+  /** Move the joints to `joints_list` rad; v, a and r in percent. Not in the manual. */
   i32 movej(
       1: list<double> joints_list, 2: double v, 3: double a, 4: double r, 5: bool block, 6: Op op,
       7: bool def_acc
   )
-  /** Move the joints to the pose p m, rad; v and a in percent. Not in the manual. */
+  /** Move the joints to the pose p m, rad; v, a and r in percent. Not in the manual. */
   i32 movej_pose(
       1: list<double> p, 2: double v, 3: double a, 4: double r, 5: list<double> q_near,
       6: string tool, 7: string wobj, 8: bool block, 9: Op op, 10: bool def_acc

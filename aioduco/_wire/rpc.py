@@ -584,7 +584,7 @@ class Functions(ABC):
         op: Op,
         def_acc: bool,
     ) -> int:
-        """Move the joints to `joints_list` rad; v and a in percent. Not in the manual."""
+        """Move the joints to `joints_list` rad; v, a and r in percent. Not in the manual."""
         return self._call("movej", (joints_list, v, a, r, block, op, def_acc))
 
     def movej_pose(
@@ -600,7 +600,7 @@ class Functions(ABC):
         op: Op,
         def_acc: bool,
     ) -> int:
-        """Move the joints to the pose p m, rad; v and a in percent. Not in the manual."""
+        """Move the joints to the pose p m, rad; v, a and r in percent. Not in the manual."""
         return self._call("movej_pose", (p, v, a, r, q_near, tool, wobj, block, op, def_acc))
 
     def set_baudrate_485(self, value: int, block: bool) -> int:

@@ -174,7 +174,8 @@ class BlockingMotions(Section):
             joints: target, six angles in [-2π, 2π] [rad].
             v: highest joint speed in percent of what the arm can do, above 0, up to 100.
             a: highest joint acceleration in percent of what the arm can do, above 0, up to 100.
-            r: blend radius into the next motion [m]; 0 to stop at the end.
+            r: blend radius into the next motion in percent of the largest one that is set in the
+                controller, from 0 to below 50; 0 to stop at the end.
             op: outputs set on the way; triggers by distance have no effect here.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 
@@ -188,7 +189,7 @@ class BlockingMotions(Section):
             UnitWarning: `v` looks like rad/s: it has a decimal point, and is at most 3.93.
 
         Not in the manual. The wire of 3.8 has it, and it is much used; the unit, percent, is what
-        its users report.
+        its users report, and the comments of the vendor's class.
         """
         return await self._block(self._of_motion.movej(joints, v, a, r=r, op=op, def_acc=def_acc))
 
@@ -214,7 +215,8 @@ class BlockingMotions(Section):
             pose: target pose of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
             v: highest joint speed in percent of what the arm can do, above 0, up to 100.
             a: highest joint acceleration in percent of what the arm can do, above 0, up to 100.
-            r: blend radius into the next motion [m]; 0 to stop at the end.
+            r: blend radius into the next motion in percent of the largest one that is set in the
+                controller, from 0 to below 50; 0 to stop at the end.
             q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
@@ -231,7 +233,7 @@ class BlockingMotions(Section):
             UnitWarning: `v` looks like rad/s: it has a decimal point, and is at most 3.93.
 
         Not in the manual. The wire of 3.8 has it, and it is much used; the unit, percent, is what
-        its users report.
+        its users report, and the comments of the vendor's class.
         """
         motion = self._of_motion.movej_pose(
             pose, v, a, r=r, q_near=q_near, tool=tool, wobj=wobj, op=op, def_acc=def_acc

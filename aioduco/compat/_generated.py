@@ -375,7 +375,7 @@ class ManualFunctions(NewerFunctions):
         op: Op | None = None,
         def_acc: bool = False,
     ) -> int:
-        """Move the joints to `joints_list` rad; v and a in percent. Not in the manual."""
+        """Move the joints to `joints_list` rad; v, a and r in percent. Not in the manual."""
         return self._call("movej", (joints_list, v, a, r, block, op, def_acc))
 
     def movej_pose(
@@ -391,7 +391,7 @@ class ManualFunctions(NewerFunctions):
         op: Op | None = None,
         def_acc: bool = False,
     ) -> int:
-        """Move the joints to the pose p m, rad; v and a in percent. Not in the manual."""
+        """Move the joints to the pose p m, rad; v, a and r in percent. Not in the manual."""
         return self._call("movej_pose", (p, v, a, r, q_near, tool, wobj, block, op, def_acc))
 
     def set_wobj_offset(self, wobj: Sequence[float], active: bool = True) -> int:

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 #: by function of the wire: the indices of speed, blend radius, tool and work object among its
-#: arguments; and whether the speed is in percent
+#: arguments; and whether speed and radius are in percent
 WAYS: dict[str, tuple[int, int, int | None, int | None, bool]] = {
     "movej2": (1, 3, None, None, False),
     "movej": (1, 3, None, None, True),
@@ -88,7 +88,7 @@ class Way:
         by_tip: whether `configs` are poses of the tip.
         v: requested speed: of the leading joint [rad/s], or of the tip [m/s].
         end: joint angles at the end [rad].
-        radius: blend radius at the end [m].
+        radius: blend radius at the end [m]; infinite where it is not known.
         at: function that returns the configurations at shares of the path, from 0 to 1.
     """
 
@@ -116,6 +116,8 @@ def way_of(arm: Arm, name: str, args: Sequence[Any], start: Start) -> Way | None
     v, r = float(args[speed]), float(args[radius])
     if percent:
         v *= max(arm.velocity) / 100
+        # of the controller's largest radius, which is not known
+        r = math.inf if r > 0.0 else 0.0
     if name in ("movej2", "movej", "movej2_eaxis"):
         return joint_way(start.joints, tuple(args[0]), v, r)
     back = start.tool.inverse().matrix

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import sys
 import warnings
-from math import inf, pi
+from math import inf, nextafter, pi
 from typing import TYPE_CHECKING
 
 from aioduco.errors import ParameterError, UnitWarning
@@ -116,6 +116,8 @@ FINE_ACCELERATION = Number(0.00001, unit="m/s²", source="1.3.5")
 BLEND_RADIUS = Number(0.0, unit="m", plausible=LONGEST_ARM, source="1.3.5")
 #: speed and acceleration of movej and movej_pose, which the manual does not describe
 PERCENT = Number(0.0, 100.0, "%", open_low=True, source="public applications")
+#: their blend radius, from 0 to below 50
+BLEND_PERCENT = Number(0.0, nextafter(50.0, 0.0), "%", source="comments of the vendor's class")
 ARC_MODE = Choice(
     {
         0: "orientation goes over to the end's",

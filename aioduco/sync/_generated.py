@@ -499,7 +499,8 @@ class Motion(_Section):
             joints: target, six angles in [-2π, 2π] [rad].
             v: highest joint speed in percent of what the arm can do, above 0, up to 100.
             a: highest joint acceleration in percent of what the arm can do, above 0, up to 100.
-            r: blend radius into the next motion [m]; 0 to stop at the end.
+            r: blend radius into the next motion in percent of the largest one that is set in the
+                controller, from 0 to below 50; 0 to stop at the end.
             op: outputs set on the way; triggers by distance have no effect here.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 
@@ -514,7 +515,7 @@ class Motion(_Section):
             UnitWarning: `v` looks like rad/s: it has a decimal point, and is at most 3.93.
 
         Not in the manual. The wire of 3.8 has it, and it is much used; the unit, percent, is what
-        its users report.
+        its users report, and the comments of the vendor's class.
         """
         return self._made.movej(joints, v, a, r=r, op=op, def_acc=def_acc)
 
@@ -540,7 +541,8 @@ class Motion(_Section):
             pose: target pose of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
             v: highest joint speed in percent of what the arm can do, above 0, up to 100.
             a: highest joint acceleration in percent of what the arm can do, above 0, up to 100.
-            r: blend radius into the next motion [m]; 0 to stop at the end.
+            r: blend radius into the next motion in percent of the largest one that is set in the
+                controller, from 0 to below 50; 0 to stop at the end.
             q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
@@ -558,7 +560,7 @@ class Motion(_Section):
             UnitWarning: `v` looks like rad/s: it has a decimal point, and is at most 3.93.
 
         Not in the manual. The wire of 3.8 has it, and it is much used; the unit, percent, is what
-        its users report.
+        its users report, and the comments of the vendor's class.
         """
         return self._made.movej_pose(
             pose, v, a, r=r, q_near=q_near, tool=tool, wobj=wobj, op=op, def_acc=def_acc
@@ -1556,7 +1558,8 @@ class BlockingMotions(_Section):
             joints: target, six angles in [-2π, 2π] [rad].
             v: highest joint speed in percent of what the arm can do, above 0, up to 100.
             a: highest joint acceleration in percent of what the arm can do, above 0, up to 100.
-            r: blend radius into the next motion [m]; 0 to stop at the end.
+            r: blend radius into the next motion in percent of the largest one that is set in the
+                controller, from 0 to below 50; 0 to stop at the end.
             op: outputs set on the way; triggers by distance have no effect here.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 
@@ -1570,7 +1573,7 @@ class BlockingMotions(_Section):
             UnitWarning: `v` looks like rad/s: it has a decimal point, and is at most 3.93.
 
         Not in the manual. The wire of 3.8 has it, and it is much used; the unit, percent, is what
-        its users report.
+        its users report, and the comments of the vendor's class.
         """
         return self._call(self._made.movej(joints, v, a, r=r, op=op, def_acc=def_acc))
 
@@ -1595,7 +1598,8 @@ class BlockingMotions(_Section):
             pose: target pose of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
             v: highest joint speed in percent of what the arm can do, above 0, up to 100.
             a: highest joint acceleration in percent of what the arm can do, above 0, up to 100.
-            r: blend radius into the next motion [m]; 0 to stop at the end.
+            r: blend radius into the next motion in percent of the largest one that is set in the
+                controller, from 0 to below 50; 0 to stop at the end.
             q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
@@ -1612,7 +1616,7 @@ class BlockingMotions(_Section):
             UnitWarning: `v` looks like rad/s: it has a decimal point, and is at most 3.93.
 
         Not in the manual. The wire of 3.8 has it, and it is much used; the unit, percent, is what
-        its users report.
+        its users report, and the comments of the vendor's class.
         """
         work = self._made.movej_pose(
             pose, v, a, r=r, q_near=q_near, tool=tool, wobj=wobj, op=op, def_acc=def_acc

@@ -212,6 +212,12 @@ def test_a_time_is_as_long_as_the_arm_could_move_at_its_speeds() -> None:
         ranges.run_time("time", 2.001, (3.0, 6.0), (1.0, 6.0))
 
 
+def test_the_blend_radius_of_movej_is_a_percentage_below_50() -> None:
+    assert ranges.BLEND_PERCENT("r", 49.9) == 49.9
+    with pytest.raises(ParameterError, match="from 0 to 49"):
+        ranges.BLEND_PERCENT("r", 50.1)
+
+
 @for_each("rule, value", [(ranges.BLEND_RADIUS, 20), (ranges.WEAVE_OFFSET, 5)])
 def test_a_length_in_millimetres_is_refused(rule: Any, value: Any) -> None:
     with pytest.raises(ParameterError, match=r"\(millimetres\?\)"):

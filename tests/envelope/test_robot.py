@@ -160,6 +160,11 @@ async def test_the_corner_that_a_blend_cuts_is_checked(robot: aioduco.Robot) -> 
         robot.motion.movel(corner, v=0.5, a=2.0, r=0.03), robot.motion.movel(end, v=0.5, a=2.0)
     )
     assert len(outcomes) == 2
+    await robot.motion.movel(here, v=1.0, a=5.0)
+    with pytest.raises(EnvelopeViolated, match="'edge'"):  # percent of an unknown radius
+        await robot.motion.run(
+            robot.motion.movej_pose(corner, v=10, a=10, r=1), robot.motion.movel(end, v=0.5, a=2.0)
+        )
 
 
 @pytest.mark.slow

@@ -101,6 +101,23 @@ def test_percent_speeds_of_the_older_functions(sim: Simulator, robot: Program) -
     assert robot.movej_pose(goal, 10.0, 50.0, 0.0, [], "", "", True, Op(), False) == 4
 
 
+@pytest.mark.parametrize(("r", "radius"), [(10.0, 0.02), (49.0, 0.098)])
+def test_percent_of_the_largest_radius(
+    sim: Simulator, robot: Program, r: float, radius: float
+) -> None:
+    """A blended motion ends where its blend begins: a radius before its end."""
+    corner = [0.5, *READY[1:]]
+    tip = Pose.of(robot.cal_fkine(corner, [], []))
+    with standing_time(sim):
+        first = robot.movej(corner, 50.0, 50.0, r, False, Op(), False)
+        second = robot.to(0.5, 0.3, *READY[2:], block=False)
+        advance_until(sim, lambda: robot.get_noneblock_taskstate(first) == TaskState.INTERRUPT)
+        assert math.dist(robot.get_tcp_pose()[:3], tip[:3]) == pytest.approx(radius, abs=2e-3)
+    assert robot.ended(second) is TaskState.FINISHED
+    assert robot.movej(corner, 50.0, 50.0, 50.1, True, Op(), False) == 8
+    assert robot.movej_pose(list(tip), 50.0, 50.0, 50.1, [], "", "", True, Op(), False) == 8
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("line", [False, True])
 def test_the_controller_chooses_an_acceleration_when_told_to(

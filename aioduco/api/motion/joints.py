@@ -115,7 +115,8 @@ class JointMotions(Section):
             joints: target, six angles in [-2π, 2π] [rad].
             v: highest joint speed in percent of what the arm can do, above 0, up to 100.
             a: highest joint acceleration in percent of what the arm can do, above 0, up to 100.
-            r: blend radius into the next motion [m]; 0 to stop at the end.
+            r: blend radius into the next motion in percent of the largest one that is set in the
+                controller, from 0 to below 50; 0 to stop at the end.
             op: outputs set on the way; triggers by distance have no effect here.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 
@@ -129,11 +130,11 @@ class JointMotions(Section):
             UnitWarning: `v` looks like rad/s: it has a decimal point, and is at most 3.93.
 
         Not in the manual. The wire of 3.8 has it, and it is much used; the unit, percent, is what
-        its users report.
+        its users report, and the comments of the vendor's class.
         """
         q = ranges.JOINTS("joints", joints)
         v_, a_ = ranges.percent_of_speed("v", v), ranges.PERCENT("a", a)
-        r_ = ranges.BLEND_RADIUS("r", r)
+        r_ = ranges.BLEND_PERCENT("r", r)
         end = outputs(op, def_acc, joint_motion=True)
         return self._motion(calls.movej(q, v_, a_, r_, *end), r_)
 
@@ -158,7 +159,8 @@ class JointMotions(Section):
             pose: target pose of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
             v: highest joint speed in percent of what the arm can do, above 0, up to 100.
             a: highest joint acceleration in percent of what the arm can do, above 0, up to 100.
-            r: blend radius into the next motion [m]; 0 to stop at the end.
+            r: blend radius into the next motion in percent of the largest one that is set in the
+                controller, from 0 to below 50; 0 to stop at the end.
             q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
@@ -175,11 +177,11 @@ class JointMotions(Section):
             UnitWarning: `v` looks like rad/s: it has a decimal point, and is at most 3.93.
 
         Not in the manual. The wire of 3.8 has it, and it is much used; the unit, percent, is what
-        its users report.
+        its users report, and the comments of the vendor's class.
         """
         p = ranges.POSE("pose", pose)
         v_, a_ = ranges.percent_of_speed("v", v), ranges.PERCENT("a", a)
-        r_ = ranges.BLEND_RADIUS("r", r)
+        r_ = ranges.BLEND_PERCENT("r", r)
         there = frames(q_near, tool, wobj)
         end = outputs(op, def_acc, joint_motion=True)
         return self._motion(calls.movej_pose(p, v_, a_, r_, *there, *end), r_)

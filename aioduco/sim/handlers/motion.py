@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from aioduco.models.ranges import BLEND_PERCENT
 from aioduco.models.rotation import Array, transform
 from aioduco.sim.controller.triggers import point_trigger
 from aioduco.sim.handlers import arguments
@@ -28,6 +29,8 @@ _SPLINES = ("spline", "spline_op")
 _FINE_SPEED = (1e-5, 5.0, "m/s")
 _FINE_ACCELERATION = (1e-5, math.inf, "m/s²")
 _BY_PARAMETERS, _BY_END = 0, 1
+#: what the radii of movej and movej_pose are percent of: an assumption [m]
+_LARGEST_RADIUS = 0.2
 
 
 class MotionHandlers(PathSection):
@@ -41,7 +44,7 @@ class MotionHandlers(PathSection):
     @motion(line=False)
     def movej(self, call: MotionCall) -> Plan:
         """The same as movej2 with speed and acceleration in percent; not in the manual."""
-        return self._to_joints(call, self._percent(call))
+        return self._to_joints(call, *self._percent(call))
 
     @motion(line=False)
     def movej_pose2(self, call: MotionCall) -> Plan:
@@ -51,7 +54,7 @@ class MotionHandlers(PathSection):
     @motion(line=False)
     def movej_pose(self, call: MotionCall) -> Plan:
         """The same as movej_pose2 with speed and acceleration in percent; not in the manual."""
-        return self._to_pose(call, self._percent(call))
+        return self._to_pose(call, *self._percent(call))
 
     @motion()
     def movel(self, call: MotionCall) -> Plan:
@@ -63,13 +66,15 @@ class MotionHandlers(PathSection):
         """Move along an arc through p1 to p2."""
         return self._to_arc(call, self._line_pace(call))
 
-    def _percent(self, call: MotionCall) -> tuple[float, float]:
-        """Convert percent of the slowest joint's speed and of the default acceleration."""
+    def _percent(self, call: MotionCall) -> tuple[tuple[float, float], float]:
+        """Convert percent of the slowest joint's speed, the default acceleration, and a radius."""
         speed = arguments.positive("v", call.v, 100.0, "%") / 100.0 * min(self._arm.velocity)
-        if call.def_acc:
-            return speed, math.inf
-        share = arguments.positive("a", call.a, 100.0, "%") / 100.0
-        return speed, share * DEFAULT_JOINT_ACCELERATION
+        radius = arguments.number("r", call.r, 0.0, BLEND_PERCENT.high, "%") / 100.0
+        change = math.inf
+        if not call.def_acc:
+            share = arguments.positive("a", call.a, 100.0, "%") / 100.0
+            change = share * DEFAULT_JOINT_ACCELERATION
+        return (speed, change), radius * _LARGEST_RADIUS
 
     # -- circles, spirals and splines -------------------------------------------------------------
 

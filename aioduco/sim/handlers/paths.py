@@ -165,17 +165,21 @@ class PathSection(HandlerSection):
         around = self._controller.optimization.avoids
         return {"weave": weave, "around": around}
 
-    def _to_joints(self, call: MotionCall, pace: tuple[float, float]) -> Plan:
+    def _to_joints(
+        self, call: MotionCall, pace: tuple[float, float], radius: float | None = None
+    ) -> Plan:
         """Plan a motion to joint angles; all joints arrive together."""
         end = np.array(arguments.joints("joints_list", call.joints_list))
-        radius = blend(call.r)
+        radius = blend(call.r) if radius is None else radius
         tip = self._frames.tool().matrix
         return lambda start: joint_move(self._arm, start, end, *pace, radius, tool=tip)
 
-    def _to_pose(self, call: MotionCall, pace: tuple[float, float]) -> Plan:
+    def _to_pose(
+        self, call: MotionCall, pace: tuple[float, float], radius: float | None = None
+    ) -> Plan:
         """Plan a motion to a pose of the tool in joint space; all joints arrive together."""
         target, tip = self._target("p", call.p, call)
-        reference, radius = near(call.q_near), blend(call.r)
+        reference, radius = near(call.q_near), blend(call.r) if radius is None else radius
 
         def planned(start: Array) -> Segment:
             try:

@@ -63,7 +63,7 @@ class ProgramCall:
         where: the line of the program; None if this package made the call by itself.
         actor: an id of the task or thread of the program.
         begin, end: times of the program [s]; -1 for none.
-        radius: requested blend radius [m].
+        radius: requested blend radius, in the unit of the function; 0 for none.
         result: the answer.
         error: the error that was raised instead.
         task: id of the task in the controller; None without a task.
