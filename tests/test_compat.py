@@ -30,6 +30,7 @@ from aioduco.errors import (
     ControllerError,
     OutcomeUnknown,
     ParameterError,
+    TaskStopped,
     UnknownFunction,
 )
 from aioduco.sim import Simulator
@@ -405,7 +406,7 @@ def in_thread(call: Any, name: str = "second") -> tuple[threading.Thread, list[A
     def run() -> None:
         try:
             ended.append(call())
-        except ConnectionLost as exc:
+        except (ConnectionLost, TaskStopped) as exc:
             ended.append(exc)
 
     thread = threading.Thread(target=run, name=name)
@@ -452,6 +453,38 @@ def test_threads_take_turns_and_a_stop_does_not_wait(
     assert (moved, answers) == ([4], [True])
     eventually(lambda: "is used in thread" in caplog.text)
     assert caplog.text.count("is used in thread") == 1
+
+
+@pytest.mark.parametrize("other", [False, True])
+def test_a_motion_that_waits_when_the_arm_is_stopped_is_not_sent(
+    server: RecordingServer, robot: DucoCobot, monkeypatch: pytest.MonkeyPatch, other: bool
+) -> None:
+    """By another object, too, as manual 1.3.3 asks for; what comes after the stop is sent."""
+    motion = Blocking(server)
+    server.answer("servoj", 1000)
+    server.answer("set_standard_digital_out", 4)
+    waiting, acquire = threading.Semaphore(0), robot._acquire
+    mover, _ = motion.start(robot)
+
+    def wait() -> None:
+        waiting.release()
+        acquire()
+
+    monkeypatch.setattr(robot, "_acquire", wait)
+    next_one, moved = in_thread(lambda: robot.servoj(JOINTS, 1.0, 1.0))
+    output, is_set = in_thread(lambda: robot.set_standard_digital_out(1, False, True))
+    for _ in range(2):
+        assert waiting.acquire(timeout=30.0)
+    with DucoCobot(server.host, server.port) as second:
+        assert (second if other else robot).stop(True) == 4
+    motion.gate.set()
+    for thread in (mover, next_one, output):
+        thread.join()
+    assert isinstance(moved[0], TaskStopped)
+    assert "servoj was not sent" in str(moved[0])
+    assert is_set == [4]
+    assert not server.received("servoj")
+    assert robot.servoj(JOINTS, 1.0, 1.0) == 1000
 
 
 def test_a_call_in_the_middle_of_another_by_a_signal_handler(

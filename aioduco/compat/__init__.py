@@ -23,7 +23,7 @@ import inspect
 import numbers
 import threading
 import warnings
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Final, Self
 
 import aioduco._wire.thrift  # noqa: F401 - the first call is not to wait for it
 from aioduco import __version__
@@ -51,7 +51,13 @@ from aioduco.compat._arguments import wire_arguments
 from aioduco.compat._foreign import ENUMS, as_thrift
 from aioduco.compat._generated import KEYWORDS, ManualFunctions
 from aioduco.compat._newer import MoveJogTaskParam
-from aioduco.errors import ConnectError, ConnectionLost, DucoError, ParameterError
+from aioduco.errors import (
+    ConnectError,
+    ConnectionLost,
+    DucoError,
+    ParameterError,
+    TaskStopped,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -85,6 +91,15 @@ __all__ = [
 ]
 
 _log = BackgroundLogger(__name__)
+
+#: beginnings of the names of functions by which the arm may begin to move
+_MOVES: Final = (
+    *("move", "tcp_move", "wobj_move", "spline", "servo", "speedj", "speedl", "replay", "resume"),
+    *("teach_mode", "run_program", "trackEnqueue", "trackJointMotion", "trackCartMotion"),
+    *("fc_start", "fc_move", "start_realtime_mode", "realtime_data_enqueue"),
+)
+#: by a controller's address: another object after each stop by this program
+_last_stops: Final[dict[tuple[str, int], object]] = {}
 
 # The structs under the manual's names (section 1.2).
 OP = Op
@@ -134,7 +149,9 @@ class DucoCobot(Uncopied, ManualFunctions):
     Each object is one connection, which carries one call at a time (manual 1.5.1). Any thread may
     use it: a call waits until the one before it is answered, so a call behind a blocking motion
     waits for the motion's end. `stop` does not wait: while a call is in progress, it is sent on a
-    connection of its own. So is a call from a signal handler in the middle of another.
+    connection of its own. So is a call from a signal handler in the middle of another. A motion
+    that waits behind another call when any object of the program calls `stop` is not sent:
+    `TaskStopped`.
 
     - A lost connection, or one that was never opened, raises `ConnectionLost`, where the vendor's
       Python class raises Thrift's `TTransportException`. If the program has imported Thrift's
@@ -300,11 +317,19 @@ class DucoCobot(Uncopied, ManualFunctions):
     def _send(self, name: str, args: tuple[Any, ...]) -> Any:
         if self._connection is None:
             raise ConnectionLost(f"{name} was not sent: call open() first")
+        address = self.ip, self.port
+        last_stop = _last_stops.get(address)
         if call_kind(name) is not CallKind.STOP:
             self._acquire()
-        elif not self._lock.acquire(blocking=False):
-            return self._send_aside(name, args)
+        else:
+            _last_stops[address] = object()
+            if not self._lock.acquire(blocking=False):
+                return self._send_aside(name, args)
         try:
+            if name.startswith(_MOVES) and _last_stops.get(address) is not last_stop:
+                raise TaskStopped(
+                    name, None, "was not sent, since the arm was stopped while it waited"
+                )
             connection = self._connection
             if connection is None:
                 raise ConnectionLost(f"{name} was not sent: the connection was closed")
