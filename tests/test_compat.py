@@ -526,6 +526,32 @@ def test_closing_ends_what_another_thread_waits_for(
     motion.gate.set()
 
 
+def test_a_call_that_waits_when_its_connection_is_closed_is_not_sent_on_the_next(
+    server: RecordingServer, robot: DucoCobot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    motion = Blocking(server)
+    waits, opened, acquire = threading.Event(), threading.Event(), robot._acquire
+    mover, _ = motion.start(robot)
+
+    def wait() -> None:
+        if threading.current_thread().name == "waiter":
+            waits.set()
+            assert opened.wait(30.0)
+        acquire()
+
+    monkeypatch.setattr(robot, "_acquire", wait)
+    waiter, answers = in_thread(lambda: robot.movej2(JOINTS, 1.0, 1.0, 0.0, True), "waiter")
+    assert waits.wait(30.0)
+    motion.gate.set()
+    assert robot.close() == 0
+    assert robot.open() == 0
+    opened.set()
+    waiter.join()
+    mover.join()
+    assert isinstance(answers[0], ConnectionLost)
+    assert len(server.received("movej2")) == 1
+
+
 def test_one_left_open_warns(server: RecordingServer) -> None:
     robot = DucoCobot(server.host, server.port)
     robot.open()

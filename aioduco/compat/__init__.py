@@ -315,7 +315,8 @@ class DucoCobot(Uncopied, ManualFunctions):
         return answer
 
     def _send(self, name: str, args: tuple[Any, ...]) -> Any:
-        if self._connection is None:
+        connection = self._connection
+        if connection is None:
             raise ConnectionLost(f"{name} was not sent: call open() first")
         address = self.ip, self.port
         last_stop = _last_stops.get(address)
@@ -330,8 +331,7 @@ class DucoCobot(Uncopied, ManualFunctions):
                 raise TaskStopped(
                     name, None, "was not sent, since the arm was stopped while it waited"
                 )
-            connection = self._connection
-            if connection is None:
+            if connection is not self._connection:
                 raise ConnectionLost(f"{name} was not sent: the connection was closed")
             if connection.state is ConnectionState.ACTIVE:
                 return self._send_aside(name, args)
