@@ -34,7 +34,7 @@ from aioduco.errors import (
     UnknownFunction,
 )
 from aioduco.sim import Simulator
-from aioduco.testing import RecordingServer, eventually
+from aioduco.testing import Cut, FaultProxy, Place, RecordingServer, eventually
 
 ROOT = Path(__file__).parents[1]
 MANUAL = json.loads((ROOT / "tests/data/manual-3.8.json").read_text(encoding="utf-8"))["functions"]
@@ -366,10 +366,12 @@ def test_a_lost_answer_is_told_in_last_error(server: RecordingServer) -> None:
         assert "movej2" in str(robot.last_error)
         gate.set()
         server.answer("stop", 4)
+        server.answer("robotmoving", True)
+        assert robot.stop(True) == 4  # on a new connection
         with pytest.raises(ConnectionLost):
-            robot.stop(True)  # the connection is over, until it is opened again
+            robot.robotmoving()  # the object's own is over, until it is opened again
         assert robot.open() == 0
-        assert robot.stop(True) == 4
+        assert robot.robotmoving() is True
         assert robot.last_error is None
 
 
@@ -511,6 +513,47 @@ def test_a_call_in_the_middle_of_another_by_a_signal_handler(
     finally:
         signal.signal(signal.SIGUSR1, former)
     assert answers == [(4, True)]
+
+
+def test_after_an_interrupted_call_the_next_ones_are_sent(
+    server: RecordingServer, robot: DucoCobot
+) -> None:
+    motion = Blocking(server)
+    server.answer("disable", 4)
+
+    def kill(thread: int) -> None:
+        assert motion.begun.wait(30.0)
+        signal.pthread_kill(thread, signal.SIGUSR1)
+
+    former = signal.signal(signal.SIGUSR1, signal.default_int_handler)  # as Ctrl-C
+    killer = threading.Thread(target=kill, args=(threading.get_ident(),))
+    killer.start()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            robot.movej2(JOINTS, 1.0, 1.0, 0.0, True)
+        assert robot.stop(True) == robot.disable(True) == 4
+        assert robot.robotmoving() is True
+    finally:
+        signal.signal(signal.SIGUSR1, former)
+        motion.gate.set()
+        killer.join()
+
+
+def test_a_stop_is_sent_although_the_connection_is_lost(server: RecordingServer) -> None:
+    server.answer("stop", 4)
+    server.answer("robotmoving", True)
+    with (
+        FaultProxy(server.host, server.port) as proxy,
+        DucoCobot(proxy.host, proxy.port) as robot,
+    ):
+        proxy.on("robotmoving", Cut(Place.BEFORE_REPLY))
+        with pytest.raises(ConnectionLost):
+            robot.robotmoving()
+        assert robot.stop(True) == 4
+        assert robot.open() == 0
+        proxy.on("stop", Cut(Place.BEFORE_REPLY))
+        assert robot.stop(True) == 4  # the first answer is lost
+    assert len(server.received("stop")) == 3
 
 
 def test_closing_ends_what_another_thread_waits_for(

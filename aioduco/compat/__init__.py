@@ -159,7 +159,8 @@ class DucoCobot(Uncopied, ManualFunctions):
       `OutcomeUnknown`: the arm may still move.
     - An answer that reports an error of the controller raises `ControllerError`; with Thrift's
       library imported it is also a `TApplicationException`.
-    - After a lost connection, `open` makes a new one.
+    - After a lost connection, `open` makes a new one. `stop` is sent without it, on a connection of
+      its own. After Ctrl-C in the middle of a call, all calls are sent as before.
 
     Arguments have the names of the vendor's class, and by keyword those of the manual as well. For
     `q_near`, `tool` and `wobj`, None and '' stand for the present one. Structs may be the vendor's
@@ -197,6 +198,10 @@ class DucoCobot(Uncopied, ManualFunctions):
         self.last_error: DucoError | None = None
         self._route = Route()
         self._connection: Connection | None = None
+        #: another object after each open() and close()
+        self._session = object()
+        #: whether Ctrl-C ended the last call before its answer came
+        self._interrupted = False
         # Held during a call. It is reentrant: a signal handler in the middle of a call of its own
         # thread gets it too, and does not wait for itself.
         self._lock = threading.RLock()
@@ -255,7 +260,7 @@ class DucoCobot(Uncopied, ManualFunctions):
                 return -1
             fork_hooks.add(self)
             self._opener = threading.current_thread()
-            self._connection = connection
+            self._connection, self._session, self._interrupted = connection, object(), False
             return 0
 
     def close(self) -> int:
@@ -268,7 +273,7 @@ class DucoCobot(Uncopied, ManualFunctions):
 
         Manual section 1.3.1.
         """
-        connection, self._connection = self._connection, None
+        connection, self._connection, self._session = self._connection, None, object()
         if connection is None:
             return 0
         if not self._lock.acquire(blocking=False):
@@ -315,31 +320,59 @@ class DucoCobot(Uncopied, ManualFunctions):
         return answer
 
     def _send(self, name: str, args: tuple[Any, ...]) -> Any:
-        connection = self._connection
-        if connection is None:
+        session = self._session
+        if self._connection is None:
             raise ConnectionLost(f"{name} was not sent: call open() first")
         address = self.ip, self.port
-        last_stop = _last_stops.get(address)
-        if call_kind(name) is not CallKind.STOP:
-            self._acquire()
-        else:
+        if call_kind(name) is CallKind.STOP:
             _last_stops[address] = object()
-            if not self._lock.acquire(blocking=False):
-                return self._send_aside(name, args)
+            return self._stop(name, args)
+        last_stop = _last_stops.get(address)
+        self._acquire()
         try:
             if name.startswith(_MOVES) and _last_stops.get(address) is not last_stop:
                 raise TaskStopped(
                     name, None, "was not sent, since the arm was stopped while it waited"
                 )
-            if connection is not self._connection:
+            if self._session is not session:
                 raise ConnectionLost(f"{name} was not sent: the connection was closed")
-            if connection.state is ConnectionState.ACTIVE:
-                return self._send_aside(name, args)
-            self._notice_threads()
-            connection.hand_over()
-            return connection.call(name, args, self.timeout)
+            return self._exchange(name, args)
         finally:
             self._lock.release()
+
+    def _stop(self, name: str, args: tuple[Any, ...]) -> Any:
+        """Stop, on a new connection if the object's own is in use or lost: twice does no harm."""
+        if self._lock.acquire(blocking=False):
+            try:
+                return self._exchange(name, args)
+            except ConnectionLost as exc:
+                _log.warning("%s; stop is sent on a new connection", exc)
+            finally:
+                self._lock.release()
+        return self._send_aside(name, args)
+
+    def _exchange(self, name: str, args: tuple[Any, ...]) -> Any:
+        """Call on the object's own connection, if no call is in progress; it holds the lock."""
+        connection = self._connection
+        if connection is None:
+            raise ConnectionLost(f"{name} was not sent: the connection was closed")
+        if connection.state is ConnectionState.ACTIVE:
+            return self._send_aside(name, args)
+        self._notice_threads()
+        if self._interrupted:
+            # An answer that was not taken would be taken for that of the next call.
+            connection.close()
+            connection = Connection(Endpoint(self.ip, self.port, route=self._route))
+            connection.open()
+            self._connection, self._interrupted = connection, False
+        connection.hand_over()
+        try:
+            return connection.call(name, args, self.timeout)
+        except Exception:
+            raise
+        except BaseException:
+            self._interrupted = True  # by Ctrl-C: it is not lost
+            raise
 
     def _acquire(self) -> None:
         """Wait until the call of another thread has ended; signal handlers can run in between."""
