@@ -549,6 +549,8 @@ def test_a_stop_is_sent_although_the_connection_is_lost(server: RecordingServer)
         proxy.on("robotmoving", Cut(Place.BEFORE_REPLY))
         with pytest.raises(ConnectionLost):
             robot.robotmoving()
+        with pytest.raises(ConnectionLost, match=r"the connection broke.*; call open\(\) first"):
+            robot.robotmoving()
         assert robot.stop(True) == 4
         assert robot.open() == 0
         proxy.on("stop", Cut(Place.BEFORE_REPLY))

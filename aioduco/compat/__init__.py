@@ -365,6 +365,8 @@ class DucoCobot(Uncopied, ManualFunctions):
             connection = Connection(Endpoint(self.ip, self.port, route=self._route))
             connection.open()
             self._connection, self._interrupted = connection, False
+        if connection.state is not ConnectionState.IDLE:
+            raise ConnectionLost(f"{name} was not sent: {connection.reason}; call open() first")
         connection.hand_over()
         try:
             return connection.call(name, args, self.timeout)
