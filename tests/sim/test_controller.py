@@ -321,6 +321,19 @@ def test_a_motion_that_waits_for_a_stop_pauses_before_it_begins(ready: Bench) ->
     assert ready.ended(after) == 4
 
 
+def test_a_pause_ends_with_the_motions_that_waited(ready: Bench) -> None:
+    """Those that wait for a later stop begin by themselves."""
+    ready.begun()
+    ready.controller.stop()
+    paused = ready.controller.move("movej2", leg(1.0))
+    ready.controller.pause()
+    assert ready.ended(ready.controller.stop()) == 4
+    assert ready.ended(paused) == 3
+    ready.begun()
+    ready.controller.stop()
+    assert ready.ended(ready.controller.move("movej2", leg(1.0))) == 4
+
+
 def test_no_motion_is_taken_while_a_fault_stops_the_arm(ready: Bench) -> None:
     ready.begun()
     ready.controller.fault(SafetyState.STOP2, "a fault")

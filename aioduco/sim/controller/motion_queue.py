@@ -606,3 +606,4 @@ class DeferredMotions:
                 self._tasks.set(motion.id, state, message)
             else:
                 self.motions.append(motion)
+        self.paused = self.paused and bool(self.motions)
