@@ -221,7 +221,8 @@ def _loops(clock: ProgramClock) -> None:
 def _threads(clock: ProgramClock) -> None:
     condition: Any = threading.Condition
     thread: Any = threading.Thread
-    wait, notify, join = condition.wait, condition.notify, thread.join
+    wait, notify = condition.wait, condition.notify
+    start, join = thread.start, thread.join
     waits: dict[int, list[Wait]] = {}  # for each condition, whose lock protects the list
 
     def waited(self: Any, timeout: float | None = None) -> Any:
@@ -246,6 +247,14 @@ def _threads(clock: ProgramClock) -> None:
             clock.wake(each)
         notify(self, n)
 
+    def started(self: Any) -> None:
+        # it waits until the thread runs: on a busy computer that would be minutes of the program
+        clock.call_begins()
+        try:
+            start(self)
+        finally:
+            clock.call_ends()
+
     def joined(self: Any, timeout: float | None = None) -> None:
         if not _asked_by_program():
             join(self, timeout)  # a thread of this package, which is about to end
@@ -253,7 +262,8 @@ def _threads(clock: ProgramClock) -> None:
         with clock.waiting():
             join(self, timeout)
 
-    condition.wait, condition.notify, thread.join = waited, notified, joined
+    condition.wait, condition.notify = waited, notified
+    thread.start, thread.join = started, joined
 
 
 def _coroutines(recorder: RunRecorder) -> None:

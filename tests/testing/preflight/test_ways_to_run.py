@@ -47,6 +47,20 @@ def test_the_program(duco_preflight):
     assert [finding.kind for finding in report.findings] == ["error"]
 """
 
+#: a thread that a busy computer does not let run at once, and clocks that are not replaced
+LATE = """import sys, os, threading, time
+import aioduco.sync
+class Late(threading.Thread):
+    def _set_ident(self):  # before `start` returns
+        sum(range(5_000_000))
+        super()._set_ident()
+with aioduco.sync.connect("192.0.2.1"):
+    begun, really = time.monotonic(), os.times().elapsed
+    Late().start()
+    passed = time.monotonic() - begun
+    assert passed < os.times().elapsed - really + 0.1, passed
+"""
+
 #: classes of this package, and the modules of their functions
 ORIGINAL = f"""import types
 {BEGIN}
@@ -179,6 +193,14 @@ def test_no_function_of_this_package_is_replaced(tmp_path: Path) -> None:
     report = preflight(program, (), PreflightSettings(timeout=110), quiet=True)
     assert report.ok, report.findings
     assert report.motions
+
+
+@pytest.mark.slow
+def test_the_start_of_a_thread_takes_no_time_of_the_program(tmp_path: Path) -> None:
+    """It waits for the thread: simulated minutes passed until a busy computer let that run."""
+    (program := tmp_path / "program.py").write_text(LATE)
+    report = preflight(program, (), PreflightSettings(timeout=110), quiet=True)
+    assert report.ok, report.findings
 
 
 @for_each(
