@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import socket
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -105,6 +106,31 @@ def test_points_of_a_cell_are_taught_in_their_file(tmp_path: Path) -> None:
     assert cell.pose("pick").matrix == pytest.approx(tip, abs=1e-5)
     assert "[points.ready] # the start\n" in file.read_text()
     assert file.read_text().splitlines()[:7] == before.splitlines()[:7]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("option", ["--cell", "-o"])
+def test_what_a_person_edits_while_points_are_taught_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, option: str
+) -> None:
+    with ready_arm() as sim:
+        file = written(tmp_path, sim) if option == "--cell" else tmp_path / "points.toml"
+        at = () if option == "--cell" else (sim.host, "--port", str(sim.port))
+
+        def person() -> Iterator[str]:
+            yield "one"
+            before = file.read_text()
+            file.write_text(f"{before}[[\n")
+            yield "another"
+            file.write_text(f"{before}# edited\n")
+            yield "last"
+
+        hands = person()
+        monkeypatch.setattr("builtins.input", lambda _: next(hands, "q"))
+        done = run("teach", *at, option, str(file), "--no-guide")
+    assert (done.exit_code, done.stderr.count("not stored: ")) == (0, 1), done.output
+    found = [word for word in ("one", "another", "# edited", "last") if word in file.read_text()]
+    assert found == ["one", "# edited", "last"]
 
 
 @pytest.mark.slow

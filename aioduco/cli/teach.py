@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -89,8 +90,14 @@ class _Waypoints:
 
     def store(self, name: str, robot: Robot) -> str:
         """Write the place where the arm is; return it as text."""
-        found = self._kept.add(name, robot.state.get_actual_joints_position())
-        self._kept.save(self._path)
+        from aioduco.recording.playback import WaypointFile  # noqa: PLC0415 - quick help
+
+        # read again: a person may have edited it meanwhile
+        there = self._path.exists()
+        kept = WaypointFile.read(self._path) if there else copy(self._kept)
+        found = kept.add(name, robot.state.get_actual_joints_position())
+        kept.save(self._path)
+        self._kept = kept
         return ", ".join(degrees(found.joints))
 
 
@@ -106,8 +113,9 @@ class _CellPoints:
 
     def store(self, name: str, robot: Robot) -> str:
         """Write the place where the arm is; return it as text."""
-        from aioduco.models.pose import Pose  # noqa: PLC0415
+        from aioduco import Cell, Pose  # noqa: PLC0415 - quick help
 
+        self._cell = Cell.load(self._cell.path)  # again: a person may have edited it meanwhile
         if isinstance(self._cell.get(name), Pose):
             self._compare_tools(robot)
             pose = robot.state.get_tcp_pose()
@@ -147,7 +155,11 @@ def _file(robot: Robot, path: Path) -> _Waypoints:
 
 def _keep(robot: Robot, store: _Waypoints | _CellPoints) -> None:
     """Store the place of the arm for each typed line."""
-    from aioduco.errors import ParameterError  # noqa: PLC0415 - quick help
+    from aioduco.errors import (  # noqa: PLC0415 - quick help
+        CellFileError,
+        ParameterError,
+        WaypointFileError,
+    )
 
     while True:
         try:
@@ -160,5 +172,6 @@ def _keep(robot: Robot, store: _Waypoints | _CellPoints) -> None:
         if name := line or store.usual:
             try:
                 say(f"{name}: {store.store(name, robot)}")
-            except ParameterError as error:  # of the name; the arm is still guided
+            # of the name or the file, which a person can correct; the arm is still guided
+            except (ParameterError, CellFileError, WaypointFileError) as error:
                 say_error(f"not stored: {error}")
