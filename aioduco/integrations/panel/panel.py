@@ -647,15 +647,16 @@ class Panel(Uncopied):
     async def _ask_seldom(self) -> None:
         robot = self._observer
         async for _ in every(_SELDOM):
-            pose = await _asked(robot.state.get_tcp_pose_coord)
             errors = await _asked(robot.state.get_last_error)
             self._seldom |= {
                 "project": await _asked(robot.program.get_current_project) or "",
                 "speed": await _asked(robot.settings.get_global_speed),
                 "errors": list(errors or ()),
-                "work_pose": None if pose is None else [*pose],
                 "pages": self._server.pages,
             }
+            # last: pages take it for where the tool is, while the arm stands
+            pose = await _asked(robot.state.get_tcp_pose_coord)
+            self._seldom["work_pose"] = None if pose is None else [*pose]
             if self._wrong_tokens:
                 number, where = len(self._wrong_tokens), self._wrong_tokens[-1]
                 said = f"{number} wrong token{'s' * (number > 1)} refused, from {where}"

@@ -123,6 +123,32 @@ async def test_jog_by_press_and_hold_then_move_and_switch(chromium: BrowserConte
         await page.wait_for_selector("#outputs .lamp.on:nth-child(3)")
 
 
+async def test_what_the_sliders_do_not_show_is_no_target(chromium: BrowserContext) -> None:
+    """A number that was deleted counted as 0, joints as millimetres, an old place as the tool's."""
+    async with (
+        arm_and_panel() as (sim, panel),
+        aioduco.connect(sim.host, sim.port, clock=sim.clock) as robot,
+    ):
+        page = await commanding(chromium, panel)
+        await page.click("[data-tab=move]")
+        first = "#targets .target:nth-child(1) input[type=number]"
+        await page.fill(first, "20")
+        await page.wait_for_selector("#move:enabled")
+        await page.fill(first, "")
+        await page.wait_for_selector("#move:disabled")
+        await page.fill(first, "20")
+        moving = await robot.motion.movej2((3.0, *HOME[1:]), v=0.05, a=1.0).start()
+        await page.wait_for_function("state.sample.moving")
+        await page.click("input[value=line]")
+        assert not await page.input_value(first)
+        await page.wait_for_selector("#move:disabled")
+        await moving.cancel()
+        await page.wait_for_function("!state.sample.moving && seldom.work_pose")
+        await page.click("#from-here")
+        here = (await robot.state.get_tcp_pose_coord()).x
+        assert float(await page.input_value(first)) == pytest.approx(1e3 * here, abs=0.1)
+
+
 async def test_a_token_that_is_no_part_of_an_address_takes_no_stop_from_the_page(
     chromium: BrowserContext,
 ) -> None:

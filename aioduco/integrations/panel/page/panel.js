@@ -76,6 +76,7 @@ function saw(message) {
   if (held !== null && !commanding()) release();
   const now = state.sample;
   if (now !== null) {
+    if (now.moving !== false) seldom.work_pose = null;  // told once a second: it is where the tool was
     const force = now.force === null || now.force.slice(0, 3).includes(null) ? null : Math.hypot(...now.force.slice(0, 3));
     history.push([state.now, ...now.speeds, now.tool_speed, force, state.late]);
     while (history.length && history[0][0] < state.now - MINUTE) history.shift();
@@ -160,20 +161,26 @@ for (let index = 0; index < 6; index++) {
   const row = document.createElement("div"), label = document.createElement("span"), slider = document.createElement("input"), number = document.createElement("input"), unit = document.createElement("em");
   row.className = "target"; slider.type = "range"; number.type = "number"; slider.step = number.step = "0.1"; slider.disabled = number.disabled = true;
   slider.addEventListener("input", () => { number.value = slider.value; touched(); });
-  number.addEventListener("input", () => { slider.value = number.value; touched(); });
+  number.addEventListener("input", () => { if (number.value !== "") slider.value = number.value; touched(); });
   row.append(label, slider, number, unit);
   $("targets").append(row);
   targets.push({label, slider, number, unit});
 }
 const space = () => document.querySelector("input[name=space]:checked").value;
-// what the sliders show, in radians and metres
-const aim = () => targets.map((target, index) => +target.number.value / (space() === "joints" || index > 2 ? DEGREE : 1000));
+// what the sliders show, in radians and metres; null while a number is missing, which would count as 0
+const aim = () => (targets.some((target) => target.number.value === "") ? null : targets.map((target, index) => +target.number.value / (space() === "joints" || index > 2 ? DEGREE : 1000)));
 
-function touched() { aimed = true; if (space() === "joints") send({ask: "aim", joints: aim()}); }
+function touched() { const target = aim(); aimed = target !== null; if (space() === "joints") send({ask: "aim", joints: target}); }
 function fromHere() {
-  if (state === null || state.sample === null || hello === null) return;
-  const joints = space() === "joints", values = joints ? state.sample.joints : seldom.work_pose;
-  if (!values) return;
+  aimed = false;
+  send({ask: "aim", joints: null});
+  const joints = space() === "joints", known = state !== null && state.sample !== null && hello !== null;
+  const values = !known ? null : joints ? state.sample.joints : seldom.work_pose;
+  if (!values || values.includes(null)) {
+    for (const target of targets) target.number.value = "";
+    notice("It is not known where the arm is; the place of the tool not while it moves. Press From here again.");
+    return;
+  }
   targets.forEach((target, index) => {
     const turns = joints || index > 2, shown = values[index] * (turns ? DEGREE : 1000);
     target.label.textContent = joints ? `J${index + 1}` : AXES[index].toUpperCase();
@@ -181,8 +188,6 @@ function fromHere() {
     const [low, high] = joints ? [hello.lower[index] * DEGREE, hello.upper[index] * DEGREE] : turns ? [-180, 180] : [-1500, 1500];
     for (const input of [target.slider, target.number]) { input.min = low.toFixed(1); input.max = high.toFixed(1); input.value = shown.toFixed(1); }
   });
-  aimed = false;
-  send({ask: "aim", joints: null});
 }
 document.querySelectorAll("input[name=space]").forEach((input) => input.addEventListener("change", () => { fromHere(); showSpeeds(); }));
 $("from-here").addEventListener("click", fromHere);
