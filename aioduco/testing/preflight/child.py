@@ -23,6 +23,7 @@ import numpy as np
 
 from aioduco._process import trial
 from aioduco._process.linked_process import ValueChannel
+from aioduco.models.whole_files import write_whole
 from aioduco.sim import trial as controller_trial
 from aioduco.sim.simulator import Simulator
 from aioduco.testing.preflight import lines, patches
@@ -182,7 +183,8 @@ class _Child:
                 "variation": self.variation.as_json(),
             }  # fmt: skip
             np.savez(folder / "samples.npz", **self.recorder.arrays())
-            (folder / "run.json").write_text(json.dumps(result, default=str), encoding="utf-8")
+            # whole: the half of it, as on a full disk, would be taken for the result
+            write_whole(folder / "run.json", json.dumps(result, default=str))
 
 
 def _end() -> NoReturn:

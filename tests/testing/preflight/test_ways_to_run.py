@@ -18,7 +18,7 @@ from interpreter import python
 
 from aioduco.cli.app import app
 from aioduco.errors import ParameterError
-from aioduco.testing.preflight import PreflightSettings, preflight
+from aioduco.testing.preflight import PreflightError, PreflightSettings, preflight
 from aioduco.testing.preflight import sweep as module
 
 BEGIN = """import sys
@@ -47,6 +47,12 @@ def test_the_program(duco_preflight):
     assert [finding.kind for finding in report.findings] == ["error"]
 """
 
+#: a result that is longer than a file may be
+LONG = f"""import resource
+{BEGIN}
+resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, 60_000))
+raise SystemExit("long " * 20_000)
+"""
 #: a thread that a busy computer does not let run at once, and clocks that are not replaced
 LATE = """import sys, os, threading, time
 import aioduco.sync
@@ -201,6 +207,14 @@ def test_the_start_of_a_thread_takes_no_time_of_the_program(tmp_path: Path) -> N
     (program := tmp_path / "program.py").write_text(LATE)
     report = preflight(program, (), PreflightSettings(timeout=110), quiet=True)
     assert report.ok, report.findings
+
+
+@pytest.mark.slow
+@pytest.mark.linux("limits of a process")
+def test_a_result_that_does_not_fit_on_the_disk_is_none(tmp_path: Path) -> None:
+    (program := tmp_path / "program.py").write_text(LONG)
+    with pytest.raises(PreflightError, match="before it was over"):
+        preflight(program, (), PreflightSettings(timeout=110), quiet=True)
 
 
 @for_each(
