@@ -589,6 +589,20 @@ def test_what_listens_instead_of_a_simulator_is_shown(answer: bytes, code: int, 
     assert says in done.output
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_preflight_that_is_ended_leaves_no_files(tmp_path: Path, number: int, code: int) -> None:
+    (tmp_path / "program.py").write_text("print('runs', flush=True)\nwhile True:\n    pass\n")
+    (left := tmp_path / "left").mkdir()
+    environment = os.environ | {"TMPDIR": str(left)}
+    with process("preflight", str(tmp_path / "program.py"), env=environment) as preflight:
+        assert preflight.stdout
+        assert preflight.stdout.readline() == "runs\n"
+        preflight.send_signal(number)
+        _, said = preflight.communicate(timeout=60)
+    assert (preflight.returncode, said, list(left.iterdir())) == (code, "interrupted\n", [])
+
+
 def test_a_preflight_of_a_wrong_cell_runs_nothing(tmp_path: Path) -> None:
     (tmp_path / "wrong.xml").write_text("no MJCF")
     (tmp_path / "program.py").write_text("raise SystemExit(7)")

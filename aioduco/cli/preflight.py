@@ -11,7 +11,7 @@ import typer
 from aioduco.cli import extras
 from aioduco.cli.addresses import CellFile
 from aioduco.cli.cell_file import RobotName, simulated_parts
-from aioduco.cli.exit_codes import fail, write_file
+from aioduco.cli.exit_codes import ended_by_errors, failing, write_file
 from aioduco.cli.options import (
     MountingOption,
     Pedestal,
@@ -58,7 +58,8 @@ def preflight(
 ) -> None:
     """Try a program on a simulated arm, and say what would go wrong. No arm moves.
 
-    Exit status 0: nothing was found; 1: something was; 2: the program could not be tried.
+    Exit status 0: nothing was found; 1: something was; 2: the program could not be tried; 130, 143
+    Ctrl-C or SIGTERM.
 
     Args:
         program: File of the program, or its module with -m.
@@ -95,7 +96,8 @@ def preflight(
     from aioduco.testing.preflight import preflight as run  # noqa: PLC0415
 
     console = SafeConsole()
-    try:
+    # A signal ends the program that is tried, and removes its files.
+    with ended_by_errors(), failing(DucoError, OSError, code=NOT_RUN):
         parts = simulated_parts(
             cell,
             robot,
@@ -123,8 +125,6 @@ def preflight(
             )
             raise typer.Exit(FOUND if failed else 0)
         report = run(program, arguments or [], settings, quiet=quiet)
-    except DucoError as error:
-        fail(str(error), NOT_RUN)
     _show(console, report)
     if result is not None:
         write_file(result, json.dumps(report.as_json(), indent=2) + "\n")
