@@ -213,6 +213,13 @@ class RunRecorder:
         origin = lines.current()
         self._note("not reached", origin and origin.where, text)
 
+    def second_arm(self, does: str) -> None:
+        """The program uses a second arm, which leads to the simulated arm of the first."""
+        self.not_reached(
+            f"the program {does}: a preflight has one arm, which both are then, so that what it "
+            "says of their motions is wrong. Try the part of each arm in a preflight of its own"
+        )
+
     def failed(self, error: BaseException) -> None:
         """The program ended with an error."""
         if isinstance(error, AccessBlocked):

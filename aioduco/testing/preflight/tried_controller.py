@@ -45,7 +45,9 @@ class ProgramSimulator:
         self._lock = threading.RLock()
         self.own: Simulator | None = None
         self.simulator: Simulator | None = None
-        self.used: bool = False
+        #: whether that one runs, and the addresses of all that were used
+        self.runs: bool = False
+        self.homes: set[tuple[str, int]] = set()
 
     def address(self) -> tuple[str, int]:
         """Host and port of the simulator, to which the program's connections lead."""
@@ -53,13 +55,13 @@ class ProgramSimulator:
             if self.simulator is None:
                 self.own = self._make()
             assert self.simulator is not None
-            self.used = True
             return self.simulator.host, self.simulator.port
 
     def attach(self, simulator: Simulator) -> None:
         """Use a simulator from now on."""
         with self._lock:
-            self.simulator = simulator
+            self.simulator, self.runs = simulator, True
+            self.homes.add((simulator.host, simulator.port))
             self._attached(simulator)
 
     def ports(self) -> set[int]:
@@ -133,11 +135,14 @@ class TriedController(ControllerTrial):
         """The program runs on it, unless it runs on the preflight's."""
         assert isinstance(simulator, Simulator)
         if self._simulator.own is None:
+            if self._simulator.runs:
+                self._recorder.second_arm("starts a second simulator beside the first")
             self._simulator.attach(simulator)
 
     def closing(self, simulator: object) -> None:
         """The program's time and record end with it."""
         if self._simulator.simulator is simulator:
+            self._simulator.runs = False
             self._recorder.finish()
             self._clock.detach()
             self._recorder.detach()

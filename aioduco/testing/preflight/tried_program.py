@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from aioduco._process.trial import Trial
 from aioduco.envelope.ways import WAYS
 from aioduco.errors import EnvelopeViolated
+from aioduco.models.host_port import host_port
 from aioduco.supervision.settings import RobotSettings
 from aioduco.testing.preflight import lines
 from aioduco.testing.preflight.going_on import GOES_ON
@@ -57,9 +58,15 @@ class TriedProgram(Trial):
         self._clock = clock
         self._recorder = recorder
         self._simulator = simulator
+        #: addresses of controllers that the program named
+        self._arms: set[tuple[str, int]] = set()
 
-    def endpoint(self, host: str, port: int, timeout: float) -> tuple[str, int, float]:  # noqa: ARG002 - all lead there
+    def endpoint(self, host: str, port: int, timeout: float) -> tuple[str, int, float]:
         """All connections lead to the simulator."""
+        if (host, port) not in self._simulator.homes | self._arms:
+            if self._arms:
+                self._recorder.second_arm(f"connects to a second arm, {host_port(host, port)}")
+            self._arms.add((host, port))
         return (*self._simulator.address(), max(_CONNECT_TIMEOUT, timeout))
 
     def settings(self, given: Settings) -> Settings:

@@ -103,6 +103,30 @@ async def main():
             await stream.send(await robot.state.get_actual_joints_position())
 asyncio.run(main())
 """
+#: two arms at once, each by an address, or by a simulator
+TWO_ARMS = {
+    "two addresses": """
+async def main():
+    async with aioduco.connect("192.0.2.1"), aioduco.connect("192.0.2.1"):
+        async with aioduco.connect("192.0.2.2"):  # SECOND
+            pass
+""",
+    "two simulators": """
+from aioduco.sim import Simulator
+async def main():
+    with Simulator() as one, Simulator() as two:  # SECOND
+        async with aioduco.connect(one.host, one.port), aioduco.connect(two.host, two.port):
+            pass
+""",
+    "one after the other": """
+from aioduco.sim import Simulator
+async def main():
+    for _ in range(2):
+        with Simulator() as one:
+            async with aioduco.connect(one.host, one.port):
+                pass
+""",
+}
 
 
 class Answer(socketserver.StreamRequestHandler):
@@ -326,3 +350,16 @@ def test_time_stands_while_a_loop_with_a_timer_due_does_not_get_to_run(
                 eventually(lambda: simulator.time > begin + 1.0)
         finally:
             clock.close()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("body", TWO_ARMS.values(), ids=TWO_ARMS)
+def test_a_second_arm_is_found_since_both_would_be_the_same(tmp_path: Path, body: str) -> None:
+    text = f"import asyncio, aioduco\n{body}asyncio.run(main())\n"
+    (program := tmp_path / "program.py").write_text(text)
+    report = preflight(program, (), PreflightSettings(timeout=110), quiet=True)
+    second = [number for number, line in enumerate(text.splitlines(), 1) if "SECOND" in line]
+    assert [(each.kind, each.line) for each in report.findings] == [
+        ("not reached", number) for number in second
+    ], report.findings
+    assert all("a preflight has one arm" in each.text for each in report.findings)
