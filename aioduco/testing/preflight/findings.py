@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -87,7 +87,8 @@ def findings(
         more: further findings.
 
     Returns:
-        The findings, in the order of time; one for each cause.
+        The findings, in the order of time: one for each kind and line, which says how many others
+        there are, as of the motions of a loop.
     """
     found = [
         *_contacts(run, allowed), *_failures(run), *_blends(run), *_after_stops(run), *_notes(run),
@@ -95,9 +96,16 @@ def findings(
     ]  # fmt: skip
     found.sort(key=lambda one: one.time)
     seen: dict[tuple[str, int, str, str], PreflightFinding] = {}
+    texts: dict[tuple[str, int, str, str], set[str]] = {}
     for one in found:
-        seen.setdefault((one.kind, one.line, one.file if one.line else one.text, one.caller), one)
-    return tuple(seen.values())
+        key = (one.kind, one.line, one.file if one.line else one.text, one.caller)
+        seen.setdefault(key, one)
+        texts.setdefault(key, set()).add(one.text)
+    return tuple(
+        one if (more := len(texts[key]) - 1) == 0
+        else replace(one, text=f"{one.text}; and {more} more of this line")
+        for key, one in seen.items()
+    )  # fmt: skip
 
 
 def end_of(call: Mapping[str, Any]) -> str:

@@ -116,6 +116,23 @@ def test_a_blocking_program_goes_on_too(tmp_path: Path) -> None:
     assert report.status == 0
 
 
+LOOP = """
+import aioduco.sync
+
+with aioduco.sync.connect("192.168.1.10") as robot:
+    robot.bring_up()
+    for x in (5.0, 6.0, 6.0, 7.0):
+        robot.motion.movel((x, 0.0, 0.5, 3.14, 0.0, 0.0), v=1.0, a=2.0)
+"""
+
+
+@pytest.mark.slow
+def test_a_finding_says_how_many_others_its_line_has(tmp_path: Path) -> None:
+    """Of the places of a loop only the first was told."""
+    (found,) = tried(tmp_path, LOOP).findings
+    assert (found.line, found.text.endswith("; and 2 more of this line")) == (7, True), found.text
+
+
 @pytest.mark.slow
 def test_an_error_that_another_line_handles_is_raised_there(tmp_path: Path) -> None:
     ending = (
