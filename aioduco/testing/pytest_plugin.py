@@ -290,7 +290,9 @@ class _Line:
             factory: pytest.TempPathFactory = self._request.getfixturevalue("tmp_path_factory")
             return factory.mktemp("duco-" + name[-60:])
         folder = Path(base) / name
-        folder.mkdir(parents=True, exist_ok=True)
+        # A recording of an earlier run would be kept, and taken for that of this one.
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.mkdir(parents=True)
         return folder
 
     @property

@@ -189,6 +189,18 @@ def test_a_failed_test_leaves_what_is_known_of_its_arm(
 
 
 @pytest.mark.slow
+def test_a_test_that_fails_again_leaves_its_last_run(tmp_path: Path) -> None:
+    left = tmp_path / "left"
+    for run in range(2):
+        status, said = run_program(tmp_path, "--duco-artefacts", str(left), "-k", "bad")
+        assert status == 1, said
+        (folder,) = left.iterdir()
+        if not run:
+            before = read(folder / "run.mcap").started_ns
+    assert read(folder / "run.mcap").started_ns > before
+
+
+@pytest.mark.slow
 def test_on_an_arm_tests_are_slow_and_those_that_would_fault_it_are_skipped(tmp_path: Path) -> None:
     """The arm is another simulated one, behind an address."""
     with Simulator(speed=20) as sim:
