@@ -76,13 +76,6 @@ def types_of(name: str) -> dict[str, Any]:
     return get_type_hints(getattr(rpc.Functions, name), dict(vars(rpc)))
 
 
-def test_every_function_of_the_manual_is_there() -> None:
-    names = {function["name"] for function in MANUAL} - {"DucoCobot"}
-    assert len(names) > 150
-    missing = [name for name in names | {"get_nonblock_taskstate"} if not hasattr(DucoCobot, name)]
-    assert missing == []
-
-
 def signature(name: str) -> dict[str, inspect.Parameter]:
     return dict(list(inspect.signature(getattr(DucoCobot, name)).parameters.items())[1:])
 

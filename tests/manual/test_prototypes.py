@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import AsyncIterator, Iterable, Iterator
 from contextlib import nullcontext
 from typing import Any
@@ -220,20 +219,6 @@ def stated(one: dict[str, Any]) -> Any:
     if "default" in one:
         return one["default"]
     return {"op_": rpc.Op(), "{}": [], "0": 0, "false": False}[one["prototype_default"]]
-
-
-def test_defaults_of_the_vendors_class_are_the_manuals() -> None:
-    wrong = []
-    for name, one in printed_defaults():
-        parameters = inspect.signature(getattr(compat.DucoCobot, name)).parameters
-        parameter = parameters.get(one["name"], parameters.get(one["wire"]))
-        if f"{name}.{one['name']}" in OTHERWISE:
-            continue
-        given = inspect.Parameter.empty if parameter is None else parameter.default
-        empty = given is None and stated(one) in (rpc.Op(), [])
-        if not empty and given != stated(one):
-            wrong.append(f"{name}.{one['name']}: {given}, not {stated(one)}")
-    assert wrong == []
 
 
 def test_our_defaults_are_the_manuals() -> None:

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-import math
 import tomllib
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +17,6 @@ from aioduco.models.rules import (
     Flags,
     Integer,
     Integers,
-    Number,
     OrCurrent,
     OrForever,
     Points,
@@ -36,8 +33,6 @@ USES, COMMON, NAMES, BEYOND, OTHER_UNITS, STRUCTS = (
     TABLES[name] for name in ("uses", "common", "names", "beyond", "other_units", "structs")
 )
 MANUAL: dict[str, dict[str, Any]] = {function["name"]: function for function in DATA["functions"]}
-#: the manual prints ranges of amounts, the value has a sign
-AMOUNTS = {"speedj.joints_list", "speedl.pose_list"}
 #: checked by a builder, not by a rule
 BUILT = {"op", "op_list", "param", "realtime_data"}
 
@@ -54,13 +49,6 @@ RULES = {
     if isinstance(rule, Rule) and not name.startswith("_")
 }
 RULE_OF = {use: RULES[name] for name, uses in USES.items() for use in uses.split()}
-WHERE = {
-    "linear": slice(0, 3),
-    "angular": slice(3, 6),
-    "rotation": slice(3, 6),
-    "mass": slice(0, 1),
-    "value": slice(None),
-}
 
 
 def rule_of(key: str) -> Rule | None:
@@ -68,26 +56,6 @@ def rule_of(key: str) -> Rule | None:
     if key in RULE_OF:
         return RULE_OF[key]
     return RULES.get(COMMON.get(name) or (NAMES.get(function, "") if name == "name" else ""))
-
-
-def scalars(rule: Rule) -> list[Number | Integer]:
-    """The scalar rules that a rule is made of."""
-    match rule:
-        case Number() | Integer():
-            return [rule]
-        case Vector():
-            return list(rule.element)
-        case _:
-            raise AssertionError(f"{rule!r} has no range")
-
-
-def bounded(key: str) -> Iterator[tuple[dict[str, Any], Number | Integer]]:
-    """Each range that the manual prints for a parameter, with the rule that should have it."""
-    parameter = PARAMETERS[key]
-    rule = rule_of(key)
-    assert rule is not None
-    for printed in parameter["ranges"]:
-        yield from ((printed, scalar) for scalar in scalars(rule)[WHERE[printed["of"]]])
 
 
 RANGED = [key for key, parameter in PARAMETERS.items() if "ranges" in parameter]
@@ -125,28 +93,6 @@ def test_every_parameter_of_the_wire_is_in_the_manual_or_known_to_be_missing() -
         ("trackCartMotion", "radius"),
         ("movec_eaxis", "mode"),
     }
-
-
-@for_each("key", RANGED)
-def test_ranges_agree_at_both_ends(key: str) -> None:
-    checked = 0
-    for printed, rule in bounded(key):
-        low, high = printed["low"], printed["high"]
-        strictest = min(
-            other["high"] or math.inf
-            for other in PARAMETERS[key]["ranges"]
-            if other["of"] == printed["of"]
-        )
-        assert rule.high == (math.inf if high is None else strictest)
-        if key in AMOUNTS:
-            assert rule.low == -strictest
-        elif isinstance(rule, Integer):
-            assert rule.low == low + (1 if printed["low_open"] else 0)
-        else:
-            assert rule.low == low
-            assert rule.open_low == printed["low_open"]
-        checked += 1
-    assert checked
 
 
 @for_each("key", [k for k, p in PARAMETERS.items() if "choices" in p])
