@@ -9,34 +9,21 @@ Four services with the wire's own names of functions:
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
+from client.older import OLDER
+from test_generated import NAMES
 from thriftpy2.thrift import TType
 
 from aioduco._wire import idl
-from aioduco.sim.server import generations
 
-OLDER: dict[str, Any] = json.loads(
-    Path(generations.__file__).with_name("older_wires.json").read_text(encoding="utf-8")
-)
 #: by generation, the struct of its `Op` where it has one of its own
 _OPS = {"oldest": "ShortOp", "first": "FirstOp"}
 LEFT_OUT = frozenset(("op", "def_acc", "block", "q_near", "qnear"))
 #: names of frames, where they are not what the function is about
 FRAMES = frozenset(("tool", "wobj"))
 _ABOUT_FRAMES = ("cal_", "get_", "reach_check", "set_wobj")
-_NAMES = {
-    TType.BOOL: "bool",
-    TType.BYTE: "i8",
-    TType.I16: "i16",
-    TType.I32: "i32",
-    TType.I64: "i64",
-    TType.DOUBLE: "double",
-    TType.STRING: "string",
-}
 
 
 def _type(spec: Any) -> str:
@@ -45,7 +32,7 @@ def _type(spec: Any) -> str:
         return f"list<{_type(extra)}>"
     if kind == TType.MAP:
         return f"map<{_type(extra[0])}, {_type(extra[1])}>"
-    return f"robot.{extra.__name__}" if kind == TType.STRUCT else _NAMES[kind]
+    return f"robot.{extra.__name__}" if kind == TType.STRUCT else NAMES[kind]
 
 
 def left_out(function: str) -> frozenset[str]:
@@ -66,9 +53,9 @@ def layouts() -> dict[str, dict[str, list[tuple[int, str, str]]]]:
             short[name] = [field for field in sent if field[2] not in out]
     older = {
         version.capitalize(): {
-            name: [_older(version, *one) for one in sent] for name, sent in _["methods"].items()
+            name: [_older(version, *each) for each in sent] for name, sent in one["methods"].items()
         }
-        for version, _ in OLDER["versions"].items()
+        for version, one in OLDER.items()
     }
     return {"Short": short} | older
 
@@ -94,7 +81,7 @@ def _lines() -> Iterator[str]:
     yield "namespace cpp clients"
     for version, struct in _OPS.items():
         yield f"struct {struct} {{"
-        fields = OLDER["versions"][version]["structs"]["Op"]
+        fields = OLDER[version]["structs"]["Op"]
         yield from (f"  {fid}: {of} f{fid}" for fid, of, _name in fields)
         yield "}"
     for service, functions in layouts().items():

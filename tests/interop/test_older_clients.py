@@ -5,19 +5,18 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from client.older import OLDER
 
 from aioduco.sim import Simulator
 from aioduco.sim.planner.servo_follower import ServoFollower, ServoTuning
 from aioduco.testing import eventually
 
-from . import layouts
 from .frames import EXCEPTION, REPLY, Fields, RawClient
 
 pytestmark = pytest.mark.interop
 
 RUNNING, STOPPED, FINISHED, PARAMETER_MISMATCH = 1, 3, 4, 8
 TURNED = [1.0, 0.2, 1.4, 0.1, -1.4, 0.3]
-OLDER: dict[str, Any] = layouts.OLDER["versions"]
 ZEROS: dict[str, Any] = {"bool": False, "i8": 0, "i32": 0, "double": 0.0, "string": ""}
 
 

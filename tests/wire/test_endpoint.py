@@ -16,8 +16,6 @@ import anyio
 import pytest
 from for_each import for_each
 
-from aioduco._wire.connection import Connection
-from aioduco._wire.endpoint import Endpoint
 from aioduco._wire.lane import WireLane
 from aioduco._wire.lifecycle import ConnectionState, Lifecycle, Progress
 from aioduco.errors import ConnectError, ConnectionLost
@@ -82,14 +80,6 @@ async def test_a_name_is_resolved_for_each_connection(names: Names) -> None:
         assert names.asked == 2
 
 
-async def test_an_unknown_name_is_said_so(names: Names) -> None:
-    lane = WireLane("test", NAME, 7003)
-    with pytest.raises(ConnectError, match=r"unknown host .*not known"):
-        await lane.open()
-    with pytest.raises(ConnectError, match=r"unknown host .*not known"):
-        Connection(Endpoint(NAME, 7003)).open()
-
-
 async def test_a_name_without_a_thread_is_said_so(
     names: Names, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -139,14 +129,6 @@ async def test_a_lane_closes_while_its_name_server_hangs(names: Names) -> None:
     assert raised == []
     names.answers.set()
     eventually(lambda: not names.threads[0].is_alive())
-
-
-def test_a_connection_of_a_thread_waits_for_a_name_no_longer_than_its_limit(names: Names) -> None:
-    names.answers.clear()
-    connection = Connection(Endpoint(NAME, 7003, SHORT))
-    with pytest.raises(ConnectError, match="no answer in time"):
-        connection.open()
-    connection.close()
 
 
 NEW, IDLE, ACTIVE = ConnectionState.NEW, ConnectionState.IDLE, ConnectionState.ACTIVE
