@@ -22,7 +22,6 @@ from aioduco import kinematics
 from aioduco.api.streams.servo import OffsetStream, Servo
 from aioduco.envelope import Envelope, Zone
 from aioduco.errors import (
-    FirstPointTooFar,
     ParameterError,
     RobotStateError,
     SetPointTooFar,
@@ -329,18 +328,6 @@ async def test_a_halt_ends_the_stream_at_once_and_sends_no_stop_of_its_own(
     assert not endpoint.streams
 
 
-@workers
-async def test_a_first_point_too_far_is_refused_before_anything_is_sent(
-    controller: Controller, options: WorkerOptions
-) -> None:
-    stream = controller.servo.joints(v=1.0, a=5.0, reach=0.1, options=options)
-    said = r"joint 1: 0\.11 rad away, where 0\.1 rad are allowed"
-    with pytest.raises(FirstPointTooFar, match=said):
-        await fed(stream, [near(0.11)])
-    assert not controller.points()
-    assert not controller.server.received("stop")
-
-
 async def test_a_step_too_large_is_refused_and_the_stream_goes_on(controller: Controller) -> None:
     async with controller.servo.joints(v=1.0, a=5.0, max_step=0.1, options=THREAD) as stream:
         await stream.send(HERE)
@@ -424,18 +411,6 @@ async def test_a_task_of_another_caller_may_be_a_stop(
         assert len(controller.points()) == 20 + len(states)
 
 
-async def test_ids_that_rise_by_two_are_asked_about_at_first(controller: Controller) -> None:
-    ids = itertools.count(1000, 2)
-    controller.server.answer("servoj", lambda *_: next(ids))
-    controller.server.answer("get_noneblock_taskstate", 5)
-    async with controller.servo.joints(v=1.0, a=5.0, options=UNWATCHED) as stream:
-        for _ in range(60):
-            await stream.send(HERE)
-    polled = [call.args[0] for call in controller.server.received("get_noneblock_taskstate")]
-    last = 1000 + 2 * len(controller.points()) - 2  # at the end
-    assert polled == [*range(1000, 1040, 2), last]
-
-
 def set_points(*missing: int) -> Callable[..., int]:
     """Gives the ids of set-points; other callers have the missing ones."""
     ids = (id_ for id_ in itertools.count(1000) if id_ not in missing)
@@ -450,17 +425,6 @@ async def sent_to_the_end(stream: Stream, count: int, error: type[Exception] | N
         await stream._taken()
         if error is not None:
             raise error
-
-
-async def test_a_stop_one_tick_after_another_call_is_noticed(controller: Controller) -> None:
-    """The number of an output's task is missing, and in the next tick that of a stop."""
-    controller.server.answer("servoj", set_points(1020, 1022))
-    controller.server.answer("get_noneblock_taskstate", lambda task: 3 if task == 1021 else 5)
-    stream = controller.servo.joints(v=1.0, a=5.0, options=UNWATCHED)
-    with pytest.raises(StreamStopped, match="the controller stopped task 1021"):
-        await sent_to_the_end(stream, 100)
-    assert len(controller.points()) == 22
-    assert controller.names()[-1] == "stop"
 
 
 @pytest.mark.parametrize("error", [None, KeyError])
@@ -686,24 +650,6 @@ async def test_of_two_tasks_that_wait_for_room_each_is_woken(controller: Control
             tasks.start_soon(wait_for, 6)
         assert levels == [6, 3]
         assert stream.state is StreamState.FOLLOWING
-
-
-async def test_external_axes_behind_the_joints_are_left_out(controller: Controller) -> None:
-    controller.server.answer("get_actual_joints_position", [*HERE, 1.5])
-    async with controller.servo.joints(v=1.0, a=5.0, options=THREAD) as stream:
-        await stream.send(HERE)
-    assert controller.points()[-1] == pytest.approx(HERE)
-
-
-@pytest.mark.parametrize("answer", [[], HERE[:5], [math.nan] * 6])
-async def test_a_controller_that_does_not_say_where_the_arm_is(
-    controller: Controller, answer: list[float]
-) -> None:
-    controller.server.answer("get_actual_joints_position", answer)
-    with pytest.raises(StreamRefused, match="the place is not known"):
-        async with controller.servo.joints(v=1.0, a=5.0, options=THREAD) as stream:
-            await stream.send(HERE)
-    assert not controller.points()
 
 
 async def test_leaving_waits_until_the_arm_stands(controller: Controller) -> None:
