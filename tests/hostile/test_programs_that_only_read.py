@@ -114,16 +114,30 @@ async def test_a_frozen_guard_goes_on_when_it_wakes(bench: Bench) -> None:
 
 
 @pytest.mark.slow
-async def test_without_a_guard_that_knows_of_it_nothing_is_moved(bench: Bench) -> None:
-    """Not even without a heartbeat, which would be missed, too."""
-    async with aioduco.connect(bench.host, bench.port, guard="process", heartbeat=None) as robot:
+@pytest.mark.parametrize(
+    ("heartbeat", "error"),
+    [(None, aioduco.GuardLost), (0.3, aioduco.HeartbeatLost)],
+    ids=["none", "heartbeat"],
+)
+async def test_without_a_guard_that_knows_of_it_nothing_is_moved(
+    bench: Bench, heartbeat: float | None, error: type[Exception]
+) -> None:
+    async with aioduco.connect(
+        bench.host, bench.port, guard="process", heartbeat=heartbeat
+    ) as robot:
         guard, pid = guard_of(robot)
         os.kill(pid, signal.SIGKILL)
         eventually(lambda: not guard.alive, timeout=30.0)  # the loop cannot replace it meanwhile
-        with pytest.raises(aioduco.GuardLost, match="movej2 was not sent"):
+        with pytest.raises(error, match="movej2 was not sent"):
             await robot.motion.movej2(HOME, v=1.0, a=1.0)
         assert not bench.received("movej2")
-        await eventually_async(lambda: guard.alive, timeout=30.0)
+        await eventually_async(
+            lambda: (
+                guard.alive
+                and (robot.heartbeat is None or robot.heartbeat.state is HeartbeatState.BEATING)
+            ),
+            timeout=30.0,
+        )
         await robot.motion.movej2(HOME, v=1.0, a=1.0)
 
 

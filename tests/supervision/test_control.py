@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import signal
 import sys
 import threading
 import time
@@ -68,19 +67,6 @@ async def test_stop_now_from_another_thread_while_the_loop_hangs(
     thread = threading.Thread(target=robot.stop_now)
     thread.start()
     thread.join()  # the event loop cannot run meanwhile
-    assert bench.commands[-1] == "stop"
-    with pytest.raises(aioduco.TaskStopped):
-        await task
-
-
-async def test_stop_now_from_a_signal_handler(robot: aioduco.Robot, bench: Bench) -> None:
-    bench.motion_time = 30.0
-    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
-    before = signal.signal(signal.SIGUSR1, lambda *_: robot.stop_now())
-    try:
-        signal.raise_signal(signal.SIGUSR1)
-    finally:
-        signal.signal(signal.SIGUSR1, before)
     assert bench.commands[-1] == "stop"
     with pytest.raises(aioduco.TaskStopped):
         await task

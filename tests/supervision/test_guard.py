@@ -241,16 +241,6 @@ def kill_guard_for_good(
 
 
 @pytest.mark.slow
-async def test_without_a_guard_nothing_is_moved(bench: Bench, robot: aioduco.Robot) -> None:
-    guard, pid = guard_of(robot)
-    os.kill(pid, signal.SIGKILL)
-    eventually(lambda: not guard.alive)  # before the loop has had a chance to replace it
-    with pytest.raises(aioduco.HeartbeatLost):
-        await robot.motion.movej2(HOME, v=1.0, a=1.0)
-    assert not bench.received("movej2")
-
-
-@pytest.mark.slow
 async def test_a_guard_that_hangs_does_not_hold_up_a_stop(
     bench: Bench, robot: aioduco.Robot
 ) -> None:

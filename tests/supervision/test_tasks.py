@@ -124,23 +124,6 @@ async def test_a_motion_tied_to_a_block_has_ended_after_it(
     assert "stop" not in bench.commands
 
 
-async def test_a_motion_tied_to_a_block_that_raises_is_stopped(
-    robot: aioduco.Robot, bench: Bench
-) -> None:
-    bench.motion_time = 30.0
-    tasks: list[aioduco.Task] = []
-
-    async def program() -> None:
-        async with robot.motion.movej2(HOME, v=1.0, a=1.0) as task:
-            tasks.append(task)
-            _ = 1 / 0
-
-    with pytest.raises(ZeroDivisionError):
-        await program()
-    assert tasks[0].outcome is Outcome.STOPPED
-    assert not bench.moving()
-
-
 async def test_leaving_a_block_raises_the_error_of_its_motion_also_a_handled_one(
     robot: aioduco.Robot, bench: Bench
 ) -> None:
@@ -216,16 +199,6 @@ async def test_a_deadline_stops_the_arm(robot: aioduco.Robot, bench: Bench) -> N
     assert not bench.moving()
 
 
-async def test_motions_reach_the_controller_in_the_order_of_their_starts(
-    robot: aioduco.Robot, bench: Bench
-) -> None:
-    bench.motion_time = 0.01
-    tasks = [await robot.motion.movej2([i / 10] * 6, v=1.0, a=1.0).start() for i in range(8)]
-    for task in tasks:
-        await task
-    assert [call.args[0][0] for call in bench.received("movej2")] == [i / 10 for i in range(8)]
-
-
 async def test_functions_of_the_system_end_before_they_return(
     robot: aioduco.Robot, bench: Bench
 ) -> None:
@@ -235,20 +208,6 @@ async def test_functions_of_the_system_end_before_they_return(
     await robot.system.enable()
     assert (await robot.state.get_robot_state()).robot is aioduco.RobotState.ENABLE
     assert bench.received("power_on")[0].args == (False,)
-
-
-async def test_a_motion_that_is_lost_sight_of_raises_when_the_arm_stands(
-    bench: Bench, robot: aioduco.Robot
-) -> None:
-    bench.motion_time = 30.0
-    bench.braking_time = 0.3
-    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
-    await eventually_async(bench.moving)
-    bench.answer("get_noneblock_taskstate", 42)
-    with pytest.raises(aioduco.TaskUnknown):
-        await task
-    assert bench.received("stop")
-    assert not bench.moving()
 
 
 @for_each(
