@@ -315,6 +315,7 @@ async def test_hand_guiding_is_entered_and_left_by_two_calls(
     await robot.motion.end_teach_mode()
     assert not desk.going_on
     assert task.outcome is Outcome.FINISHED
+    await robot.aclose()
     assert desk.commands == ["teach_mode", "end_teach_mode"]
 
 
@@ -339,12 +340,3 @@ async def test_hand_guiding_for_a_time_lasts_until_its_end_is_answered(
     assert scope.cancelled_caught
     answer.set()
     assert await task is Outcome.FINISHED
-
-
-async def test_hand_guiding_ended_from_elsewhere(robot: aioduco.Robot, desk: Desk) -> None:
-    task = await guiding(robot).start()
-    await robot.motion.end_teach_mode()
-    assert await task is Outcome.FINISHED
-    assert not desk.going_on
-    await robot.aclose()
-    assert "stop" not in desk.commands
