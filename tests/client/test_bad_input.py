@@ -19,8 +19,6 @@ from client.bench import HOME, Bench
     [
         ({"host": 5}, "host"),
         ({"port": 0}, "port"),
-        ({"port": 70000}, "port"),
-        ({"port": "7003"}, "port"),
         ({"call_timeout": None}, "call_timeout"),
         ({"pool_size": 0}, "pool_size"),
         ({"pool_size": 2.5}, "pool_size"),

@@ -21,14 +21,6 @@ from aioduco.models.enums import (
 )
 
 
-def test_values_are_the_manuals() -> None:
-    assert RobotState(6) is RobotState.ENABLE
-    assert ProgramState(5) is ProgramState.TASK_RUNNING
-    assert OperationMode(2) is OperationMode.REMOTE
-    assert SafetyState(9) is SafetyState.STOP0
-    assert TaskState(8) is TaskState.PARAMETER_MISMATCH
-
-
 @for_each(
     "kind, value",
     product([OperationMode, ProgramState, RobotState, SafetyState, TaskState], [77, -1]),

@@ -63,14 +63,6 @@ async def test_a_list_of_motions(robot: aioduco.Robot, bench: Bench) -> None:
     assert bench.commands == []
 
 
-def test_a_list_of_motions_in_sync(waiting: aioduco.sync.Robot, bench: Bench) -> None:
-    legs: Any = [waiting.motion.movel.prepare(POSE, v=0.2, a=0.5) for _ in range(2)]
-    with pytest.raises(ParameterError, match=r"run\(\*motions\); nothing was sent"):
-        waiting.motion.run(legs)
-    assert bench.commands == []
-    assert waiting.motion.run(*legs)[-1] is Outcome.FINISHED
-
-
 # -- tasks and waiting -------------------------------------------------------------------------
 
 
@@ -241,6 +233,7 @@ def test_help_of_sync_motions_shows_how_they_are_called(waiting: aioduco.sync.Ro
         assert "-> Outcome" in plain
         assert "关节运动" in text
         assert inspect.signature(movej2).return_annotation == "Outcome"
+    assert repr(waiting.motion.movej2) == "<motion movej2>"
     section = " ".join(helped(type(waiting.motion)).replace("|", " ").split()).replace("( ", "(")
     assert "movel(self, pose: PoseLike" in section.replace("'", "")
     assert "set_blend_ahead(" in section

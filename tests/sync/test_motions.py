@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import inspect
 import pickle
 from typing import Any
 
@@ -17,12 +16,9 @@ from aioduco import (
     MotionCarriedOut,
     Outcome,
     ParameterError,
-    TaskFailed,
     TaskState,
     TaskStopped,
 )
-from aioduco.sync import MotionFunction
-from aioduco.testing import eventually
 
 HOME = Joints(0, 0, 1.5, 0, -1.5, 0)
 
@@ -32,14 +28,6 @@ def test_a_motion_returns_when_it_has_ended(robot: aioduco.sync.Robot, desk: Des
     (task,) = desk.tasks.values()
     assert task.state is TaskState.FINISHED
     assert desk.received("movej2")[0].args[:5] == (list(HOME), 1.0, 2.0, 0.01, False)
-
-
-def test_a_motion_that_fails_raises(robot: aioduco.sync.Robot, desk: Desk) -> None:
-    desk.ends = TaskState.ERROR
-    with pytest.raises(TaskFailed):
-        robot.motion.movej2(HOME, v=1.0, a=1.0)
-    with pytest.raises(TaskFailed):
-        robot.motion.movej2.start(HOME, v=1.0, a=1.0).wait()
 
 
 def test_a_refused_argument_never_reaches_the_socket(robot: aioduco.sync.Robot, desk: Desk) -> None:
@@ -102,13 +90,6 @@ def test_a_block_that_raises_stops_the_arm(robot: aioduco.sync.Robot, desk: Desk
     assert not desk.moving()
 
 
-def test_leaving_a_block_ends_what_goes_on(robot: aioduco.sync.Robot, desk: Desk) -> None:
-    with robot.motion.speedl.start([0, 0, -0.02, 0, 0, 0], a=1.0):
-        eventually(desk.moving)
-    assert not desk.moving()
-    assert desk.commands == ["speedl", "speed_stop"]
-
-
 @pytest.mark.slow
 def test_motions_made_beforehand_blend(robot: aioduco.sync.Robot, desk: Desk) -> None:
     legs = [robot.motion.movej2.prepare(HOME, v=1.0, a=1.0, r=r) for r in (0.02, 0.0)]
@@ -123,14 +104,6 @@ def test_one_that_was_never_used_warns(robot: aioduco.sync.Robot) -> None:
         robot.motion.movej2.prepare(HOME, v=1.0, a=1.0)
 
 
-def test_a_deadline_stops_the_arm(robot: aioduco.sync.Robot, desk: Desk) -> None:
-    desk.motion_time = 30.0
-    task = robot.motion.movej2.prepare(HOME, v=1.0, a=1.0).start(deadline=0.05)
-    with pytest.raises(aioduco.TaskOverdue):
-        task.wait()
-    assert not desk.moving()
-
-
 def test_calls_return_values_and_raise_what_the_awaited_ones_do(
     robot: aioduco.sync.Robot, desk: Desk
 ) -> None:
@@ -141,14 +114,6 @@ def test_calls_return_values_and_raise_what_the_awaited_ones_do(
         robot.state.get_tcp_pose()
     with pytest.raises(aioduco.ControllerError):
         robot.program.get_current_project()
-
-
-def test_what_help_shows(robot: aioduco.sync.Robot) -> None:
-    for movej2 in (robot.motion.movej2, type(robot.motion).movej2):
-        assert isinstance(movej2, MotionFunction)
-        assert "关节运动" in str(movej2.__doc__)
-        assert {"joints", "v", "a", "r"} <= set(inspect.signature(movej2).parameters)
-    assert repr(robot.motion.movej2) == "<motion movej2>"
 
 
 @pytest.mark.slow

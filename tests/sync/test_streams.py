@@ -16,7 +16,6 @@ import aioduco
 import aioduco.sync
 from aioduco.errors import (
     ParameterError,
-    RobotStateError,
     SetPointTooFar,
     StreamClosed,
     StreamLost,
@@ -179,16 +178,6 @@ def test_points_of_a_track_set_outputs(robot: Robot, sim: Simulator) -> None:
         for number, point in enumerate(bump(START)):
             stream.send(point, op if number == 50 else None)
     assert robot.io.get_standard_digital_out(3)
-
-
-@pytest.mark.slow
-def test_only_one_is_open_and_no_motion_goes_on_meanwhile(robot: Robot) -> None:
-    with robot.servo.joints(v=1.0, a=8.0, **PATIENT) as stream:
-        stream.send(START)
-        with pytest.raises(RobotStateError):
-            robot.motion.movej2(START, v=1.0, a=1.0)
-        with pytest.raises(RobotStateError), robot.speed.joints(a=1.0):
-            raise AssertionError("entered")
 
 
 def test_an_error_in_the_block_brings_the_arm_to_rest_at_once(robot: Robot) -> None:
