@@ -320,21 +320,6 @@ async def test_force_control_whose_begin_was_not_answered_is_ended(
     assert not await node.robot.force.fc_mode_is_active()
 
 
-@pytest.mark.slow
-async def test_tolerances_that_are_not_kept_have_their_codes(node: ArmNode, sim: Simulator) -> None:
-    tight = [NamedTolerance(name, 1e-7) for name in NAMES]
-    client = Client(goal(count=50, duration=1.0, path_tolerance=tight))
-    await settled(node, client)
-    assert client.code == ErrorCode.PATH_TOLERANCE_VIOLATED, client.text
-    assert not sim.moving
-    assert (await node.services.recover()).success
-    assert (await node.services.movej(START, 3.0, 20.0)).success
-    tight = [NamedTolerance(name, 1e-12) for name in NAMES]
-    client = Client(goal(count=50, goal_tolerance=tight, goal_time_tolerance=0.1))
-    await settled(node, client)
-    assert client.code == ErrorCode.GOAL_TOLERANCE_VIOLATED, client.text
-
-
 async def test_an_arm_that_is_not_ready_refuses_goals(node: ArmNode, sim: Simulator) -> None:
     await node.robot.system.disable()
     client = Client(goal())
