@@ -379,8 +379,9 @@ def test_demo_is_slower_on_an_arm_that_it_did_not_make(monkeypatch: pytest.Monke
 def test_demo_without_a_controller_says_so() -> None:
     with socket.create_server(("127.0.0.1", 0)) as closed:
         port = closed.getsockname()[1]
-    for more in ((), ("--yes",)):
-        answer = run("demo", "--host", "127.0.0.1", "--port", str(port), "--no-plot", *more)
+    parts = ("--host", "127.0.0.1", "--port", str(port))
+    for words in (parts, (*parts, "--yes"), ("--host", f"127.0.0.1:{port}")):
+        answer = run("demo", *words, "--no-plot")
         assert answer.exit_code == 1
         assert f"cannot connect to 127.0.0.1:{port}" in answer.output.replace("\n", "")
 
@@ -790,10 +791,3 @@ def test_what_a_cell_tells_and_what_takes_no_cell_is_not_passed_over(tmp_path: P
     assert (answer.exit_code, "--model: it is for points" in answer.stderr) == (2, True)
     answer = run("teleop", *cell)
     assert (answer.exit_code, "--cell: it is for HOST" in answer.stderr) == (2, True)
-
-
-def test_a_demo_takes_the_addresses_of_the_other_commands() -> None:
-    with socket.create_server(("127.0.0.1", 0)) as taken:
-        there = f"127.0.0.1:{taken.getsockname()[1]}"
-    answer = run("demo", "--host", there, "--no-plot")
-    assert (answer.exit_code, f"cannot connect to {there}:" in answer.output) == (1, True)
