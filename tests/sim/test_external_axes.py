@@ -145,28 +145,6 @@ async def test_arm_and_axes_arrive_together(
     assert flange.almost_equal(there, position=1e-3, rotation=3e-3)
 
 
-@pytest.mark.slow
-async def test_a_stop_and_a_pause_reach_the_axes(robot: aioduco.Robot, cell: Simulator) -> None:
-    far = Pose.from_matrix(cell.arm.fkine(READY)).shifted(y=0.1)
-    motion = await robot.external_axes.movel_eaxis(far, v=0.5, a=2.0, **AXES).start()
-    await cell.wait_until_async(lambda: seen(cell) > 0.1, 60.0)
-    await robot.pause()
-    paused = await where(robot)
-    begin = cell.time
-    await cell.wait_until_async(lambda: cell.time > begin + 0.5, 60.0)
-    assert 0.1 < await where(robot) == paused < 1.0
-    await robot.resume()
-    await cell.wait_until_async(lambda: seen(cell) > paused + 0.05, 60.0)
-    await robot.stop()
-    with pytest.raises(aioduco.TaskStopped):
-        await motion
-    stopped = await where(robot)
-    assert paused < stopped < 1.0
-    assert not cell.moving
-    await robot.external_axes.move_eaxis("rail", [stopped + 0.1, 0.0, 0.0], 0.5)
-    assert await where(robot) == pytest.approx(stopped + 0.1)
-
-
 async def test_an_emergency_stop_leaves_the_axes_where_they_are(
     robot: aioduco.Robot, cell: Simulator
 ) -> None:

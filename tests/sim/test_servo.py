@@ -26,15 +26,6 @@ def servoj(robot: Program, joints: Any, v: float = 1.0, a: float = 5.0, *gains: 
     return robot.servoj(joints, v, a, False, *(gains or GAINS))
 
 
-def test_it_goes_to_joints_and_ends_there(sim: Simulator, robot: Program) -> None:
-    id_ = servoj(robot, turned(0.5))
-    assert id_ >= 1000
-    assert robot.ended(id_) == TaskState.FINISHED
-    sim.wait_until(lambda: not sim.moving)
-    assert sim.joints.almost_equal(Joints.of(turned(0.5)), 1e-3)
-    assert robot.get_robot_state() == [6, 0, 5, 1]
-
-
 def test_the_latest_target_counts(sim: Simulator, robot: Program) -> None:
     first = servoj(robot, turned(2.0), 0.01)
     second = servoj(robot, turned(-0.2), 1.0)

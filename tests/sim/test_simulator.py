@@ -28,7 +28,6 @@ from .conftest import (
     Started,
     a_program,
     advance_until,
-    let_pass,
     standing_time,
 )
 
@@ -185,28 +184,6 @@ def test_stop_from_another_connection_ends_a_blocking_move(
     there = sim.joints
     assert 0.0 < there[0] < 0.9
     assert robot.to(*there) == TaskState.FINISHED
-
-
-@pytest.mark.slow
-def test_pause_and_resume_go_on_to_the_same_end(
-    sim: Simulator, robot: Program, connect: Connect
-) -> None:
-    control = connect(sim)
-    with standing_time(sim):
-        id_ = robot.to(0.4, *READY[1:], v=0.2, block=False)
-        advance_until(sim, lambda: sim.joints[0] > 0.02)
-        pausing = control.pause(False)
-    sim.wait_until(lambda: control.get_noneblock_taskstate(pausing) == TaskState.FINISHED)
-    assert control.get_robot_state() == [6, 3, 5, 1]
-    assert control.get_noneblock_taskstate(id_) == TaskState.PAUSED
-    assert not control.robotmoving()
-    there = sim.joints
-    let_pass(sim, 0.5)
-    assert sim.joints.almost_equal(there, 1e-4)
-    assert control.resume(True) == TaskState.FINISHED
-    sim.wait_until(lambda: control.get_noneblock_taskstate(id_) == TaskState.FINISHED, 60.0)
-    sim.wait_until(lambda: not sim.moving)
-    assert sim.joints.almost_equal([0.4, *READY[1:]], 1e-3)
 
 
 def test_a_popup_pauses_all_tasks(sim: Simulator, robot: Program) -> None:
@@ -391,19 +368,6 @@ def test_shutdown_answers_and_takes_the_network_down(connect: Connect) -> None:
 
 
 @pytest.mark.slow
-def test_restart_comes_back_on_the_same_port(started: Started, connect: Connect) -> None:
-    sim, robot = started()
-    with standing_time(sim):  # the answer comes before the network is gone
-        assert robot.restart(False) >= 1000
-        advance_until(sim, lambda: sim.view.robot == 0)
-    sim.wait_until(lambda: sim.view.robot == 4)
-    sim.wait_until(lambda: sim.connections == 0)
-    with pytest.raises(ConnectionLost):
-        robot.get_robot_state()
-    assert connect(sim).get_robot_state() == [4, 0, 4, 1]
-
-
-@pytest.mark.slow
 async def test_a_restart_is_awaited_to_its_end() -> None:
     async with Simulator(speed=10.0) as sim, aioduco.connect(sim.host, sim.port) as robot:
         await robot.bring_up()
@@ -429,8 +393,12 @@ def test_who_sees_a_controller_started_again_can_connect(connect: Connect) -> No
         robot = connect(sim)
         robot.bring_up()
         with standing_time(sim):
-            robot.restart(False)
+            assert robot.restart(False) >= 1000
         sim.wait_until(lambda: len(seen) == 2 and sim.view.robot == RobotState.POWER_OFF)
+        sim.wait_until(lambda: sim.connections == 0)
+        with pytest.raises(ConnectionLost):
+            robot.get_robot_state()
+        assert connect(sim).get_robot_state() == [4, 0, 4, 1]
     assert seen == [(False, RobotState.START), (True, RobotState.INITIALIZE)]
 
 
