@@ -49,14 +49,6 @@ def test_any_name_can_be_saved(folder: Path, names: list[str]) -> None:
     assert list(TaughtPoints.load(folder / "any.toml")) == names
 
 
-def test_a_file_that_cannot_be_written_leaves_the_old_one(tmp_path: Path) -> None:
-    file = tmp_path / "cell.toml"
-    TaughtPoints({"home": HOME}).save(file)
-    with pytest.raises(OSError, match="nowhere"):
-        TaughtPoints({"home": HOME}).save(tmp_path / "nowhere" / "cell.toml")
-    assert list(TaughtPoints.load(file)) == ["home"]
-
-
 @for_each(
     "text, says",
     [
