@@ -639,6 +639,7 @@ NOBODY = "127.0.0.1:1"
         ("sim-do --port 60000 state", 2, "no port for commands belongs to 60000"),
         ("preflight program.py --mounting 0,0,0.5", 2, "mounting is '0,0,0.5', but must be"),
         ("plot .", 2, "'.' is a directory"),
+        (f"tap {NOBODY} --listen nowhere", 2, "--listen"),
         (f"tap {NOBODY} --only movej2,movej3", 2, "'movej3' is not known"),
         (f"tap {NOBODY} --only movej3,", 2, "is not known"),
         (f"tap {NOBODY} --only ,", 2, "'' is not known"),

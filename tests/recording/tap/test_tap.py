@@ -18,13 +18,11 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import pytest
-from cli_runner import CliRunner
 from client.bench import HOME, Bench
 
 import aioduco
 import aioduco.sync
 from aioduco.cli import tap as tap_command
-from aioduco.cli.app import app
 from aioduco.errors import ConnectError
 from aioduco.recording import read
 from aioduco.recording.tap import Tap, TapNote, TappedCall
@@ -240,15 +238,6 @@ def test_a_relay_that_is_killed_ends_what_is_told(listener: socket.socket) -> No
         found.join()
 
 
-@pytest.mark.slow
-def test_an_address_that_is_taken_is_said(listener: socket.socket) -> None:
-    with (
-        pytest.raises(OSError, match=r"^the tap cannot listen on \S+: .*in use"),
-        Tap("127.0.0.1", 7003, listen=listener.getsockname()),
-    ):
-        pass
-
-
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("host", ["127.0.0.1", "0.0.0.0"])
 def test_a_tap_that_would_connect_to_itself_is_refused(host: str) -> None:
@@ -336,24 +325,6 @@ def test_a_clock_that_is_set_does_not_part_the_calls(
         write(TappedCall(0, "stop", {}, 2, "", 1.5, 0.001))
     first, second = (json.loads(each)["at"] for each in file.read_text("utf-8").splitlines())
     assert second - first == pytest.approx(0.5, abs=1e-3)
-
-
-@pytest.mark.slow
-def test_the_command_says_what_is_wrong(listener: socket.socket) -> None:
-    taken = "{}:{}".format(*listener.getsockname())
-    for listen, status in ((taken, 1), ("nowhere", 2)):
-        result = CliRunner().invoke(app, ["tap", "127.0.0.1", "--listen", listen])
-        assert result.exit_code == status, result.output
-
-
-@pytest.mark.slow
-def test_the_command_says_that_its_file_cannot_be_written(tmp_path: Path) -> None:
-    (tmp_path / "calls.jsonl").mkdir()
-    for file, said in (("calls.jsonl", "is a folder"), ("none/calls.jsonl", "there is no folder")):
-        words = ["tap", "127.0.0.1", "--listen", "127.0.0.1:0", "-o", str(tmp_path / file)]
-        result = CliRunner().invoke(app, words)
-        assert result.exit_code == 2
-        assert said in " ".join(result.output.replace("│", " ").split())
 
 
 @pytest.mark.slow
