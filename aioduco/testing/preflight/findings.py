@@ -102,8 +102,8 @@ def findings(
         seen.setdefault(key, one)
         texts.setdefault(key, set()).add(one.text)
     return tuple(
-        one if (more := len(texts[key]) - 1) == 0
-        else replace(one, text=f"{one.text}; and {more} more of this line")
+        one if (others := len(texts[key]) - 1) == 0
+        else replace(one, text=f"{one.text}; and {others} more of this line")
         for key, one in seen.items()
     )  # fmt: skip
 
