@@ -17,7 +17,7 @@ import anyio
 from rich.console import Console
 
 import aioduco
-from aioduco.cli.monitor.client import MonitorClient
+from aioduco.cli.monitor.observer import MonitorClient
 from aioduco.cli.monitor.screen import screen
 from aioduco.sim import Simulator
 

@@ -24,7 +24,7 @@ from test_cli_robot import HOME, at, ready_arm
 import aioduco
 import aioduco.sync
 from aioduco._wire import rpc
-from aioduco.cli.monitor.client import Key, MonitorClient, keys_of
+from aioduco.cli.monitor.observer import Key, MonitorClient, keys_of
 from aioduco.cli.monitor.screen import bar, chart, screen
 from aioduco.cli.monitor.view_state import EventLine, MonitorState
 from aioduco.cli.output import OutputFailed

@@ -24,9 +24,9 @@ import anyio.lowlevel
 from aioduco._process.platform import boot_time
 from aioduco.errors import RobotStateError
 from aioduco.models.enums import Outcome, TaskState
+from aioduco.supervision.command_result import taken
 from aioduco.supervision.concurrency import every, on_grid, run_to_completion
 from aioduco.supervision.stop_channel import refusal
-from aioduco.supervision.stop_coordinator import StopCoordinator, taken
 from aioduco.supervision.task import OnCancel, Task
 from aioduco.supervision.task_command import Command
 
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from aioduco.supervision.motion_sources import ModeEnding
     from aioduco.supervision.permits import Permits
     from aioduco.supervision.settings import RobotSettings
+    from aioduco.supervision.stop_coordinator import StopCoordinator
 
 
 #: seconds between two checks whether the program may still be moving the arm

@@ -19,6 +19,7 @@ Guarantees:
 
 from __future__ import annotations
 
+import time
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -29,13 +30,18 @@ from aioduco.errors import ControllerError, DucoError, Refused, RobotStateError
 from aioduco.models.enums import TaskState
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Collection
+    from collections.abc import Awaitable, Callable, Collection, Sequence
 
     from aioduco.supervision.gate import PermitEnding
     from aioduco.supervision.stop_channel import StopChannel
 
 
 _log = BackgroundLogger(__name__)
+
+#: seconds for the worker of a stream to stop sending: longer than it waits for an answer
+_SILENCE = 2.0
+#: the same in a thread that is blocked meanwhile, and seconds between two checks
+_SILENCE_NOW, _QUIET_EVERY = 0.1, 0.001
 
 #: the function of the wire that ends a mode, and its arguments
 ModeEnding: TypeAlias = "tuple[str, tuple[bool, ...]]"
@@ -248,3 +254,41 @@ class OpenStream(ABC):
     @abstractmethod
     async def ended(self) -> None:
         """Wait until its worker has ended."""
+
+
+def halt_streams(streams: Sequence[OpenStream]) -> bool:
+    """Stop all streams from sending; from any thread. Returns whether there was one."""
+    found = tuple(streams)
+    for stream in found:
+        stream.halt()
+    return bool(found)
+
+
+async def silence(stream: OpenStream) -> bool:
+    """Wait until a stream can send nothing more; if its worker takes too long, it is killed.
+
+    A worker that handles an unanswered set-point may take longer: it ends by itself.
+
+    Returns:
+        Whether it was killed: it may have sent a last set-point.
+    """
+    with anyio.move_on_after(_SILENCE) as scope:
+        await stream.ended()
+    if not scope.cancelled_caught:
+        return False
+    if stream.unanswered:
+        await stream.ended()
+        return False
+    stream.kill()
+    return True
+
+
+def wait_until_quiet(streams: Sequence[OpenStream]) -> None:
+    """As `silence`, of all streams and in any thread, for a short time; no worker is killed."""
+    due = time.monotonic()
+    until = due + _SILENCE_NOW
+    while not all(stream.quiet for stream in tuple(streams)):
+        due += _QUIET_EVERY
+        if due > until:
+            return
+        time.sleep(max(0.0, due - time.monotonic()))

@@ -25,14 +25,20 @@ from aioduco.errors import (
     HeartbeatLost,
     OutcomeUnknown,
     StopUnconfirmed,
-    TaskStopped,
-    UnknownFunction,
 )
 from aioduco.models.enums import Outcome, ProgramState, TaskState
 from aioduco.models.samples import joints as joints_of
+from aioduco.supervision.command_result import give_up, may_move, stopped_on_its_way, taken, void
 from aioduco.supervision.concurrency import BackgroundTasks, every, run_to_completion
 from aioduco.supervision.gate import Gate, Permit, PermitEnding
-from aioduco.supervision.motion_sources import ModeEnding, Modes, OpenStream
+from aioduco.supervision.motion_sources import (
+    ModeEnding,
+    Modes,
+    OpenStream,
+    halt_streams,
+    silence,
+    wait_until_quiet,
+)
 from aioduco.supervision.rest import bring_to_rest
 from aioduco.supervision.stop_channel import StopChannel, refusal
 from aioduco.supervision.task_command import Command
@@ -64,10 +70,6 @@ _OVERTAKEN_EVERY = 0.05
 _ACKNOWLEDGED = 0.25
 #: seconds within which an arm that its controller stops has come to rest
 _BRAKED = 1.0
-#: seconds for the worker of a stream to stop sending: longer than it waits for an answer
-_SILENCE = 2.0
-#: the same in a thread that is blocked meanwhile, and seconds between two checks
-_SILENCE_NOW, _QUIET_EVERY = 0.1, 0.001
 
 
 class StopCoordinator:
@@ -150,7 +152,7 @@ class StopCoordinator:
         if ending is not PermitEnding.PAUSED:
             self.modes.overdue()
         if ending.stops:
-            self._halt_streams()
+            halt_streams(self.streams)
             return
         for stream in tuple(self.streams):
             stream.withdraw(ending)
@@ -196,7 +198,7 @@ class StopCoordinator:
         Raises:
             StopUnconfirmed: it accepted none in time.
         """
-        streaming = self._halt_streams()
+        streaming = halt_streams(self.streams)
         if self.modes.stoppable or streaming:
             try:
                 await self._channel.stop(timeout)
@@ -206,37 +208,10 @@ class StopCoordinator:
                 await self.modes.leave()
         await self._channel.stop(timeout)
 
-    def _halt_streams(self) -> bool:
-        """Stop all streams from sending. Returns whether there was one."""
-        streams = tuple(self.streams)
-        for stream in streams:
-            stream.halt()
-        return bool(streams)
-
     async def _silence_streams(self) -> None:
-        """Wait until no stream can send anything more; a worker that takes too long is killed.
-
-        A worker that handles an unanswered set-point may take longer: it ends by itself. One that
-        was killed may have sent a last set-point.
-        """
         for stream in tuple(self.streams):
-            with anyio.move_on_after(_SILENCE) as scope:
-                await stream.ended()
-            if scope.cancelled_caught and stream.unanswered:
-                await stream.ended()
-            elif scope.cancelled_caught:
-                stream.kill()
+            if await silence(stream):
                 self.worker_died = True
-
-    def _wait_until_quiet(self) -> None:
-        """As `_silence_streams`, in any thread, for a short time and without killing a worker."""
-        due = time.monotonic()
-        until = due + _SILENCE_NOW
-        while not all(stream.quiet for stream in tuple(self.streams)):
-            due += _QUIET_EVERY
-            if due > until:
-                return
-            time.sleep(max(0.0, due - time.monotonic()))
 
     async def rest(
         self,
@@ -272,10 +247,10 @@ class StopCoordinator:
             StopUnconfirmed: it accepted none in time.
         """
         with self.gate.stop():
-            streaming = self._halt_streams()
+            streaming = halt_streams(self.streams)
             self._channel.stop_now(timeout)
             if streaming:
-                self._wait_until_quiet()
+                wait_until_quiet(self.streams)
                 self._channel.stop_now(timeout)
 
     def check_loop(self, what: str) -> None:
@@ -409,19 +384,19 @@ class StopCoordinator:
             except BaseException as exc:
                 cancelled = exc
         if not call.handed_over:
-            _give_up(call)
-        unsure = call.ended_at is None or _may_move(call.error)
+            give_up(call)
+        unsure = call.ended_at is None or may_move(call.error)
         overtaken = not followed and call.error is None and self.overtaken(permit)
         if not self.closed and (unsure or overtaken or (cancelled is not None and not followed)):
             again = await self._stop_unanswered(call)
             cancelled = again or cancelled
             if call.error is None and overtaken:
-                call.error = _stopped_on_its_way(call.name, self.gate.ending(permit))
+                call.error = stopped_on_its_way(call.name, self.gate.ending(permit))
             elif call.error is None and timeout is not None:
                 call.error = OutcomeUnknown(call.name, "it was answered late, and the arm stopped")
         elif entered and call.answered and not taken(call, followed=followed):
             self.modes.over(entered)
-        _give_up(call)  # the robot was closed meanwhile
+        give_up(call)  # the robot was closed meanwhile
         return cancelled
 
     def overtaken(self, permit: Permit) -> bool:
@@ -462,7 +437,7 @@ class StopCoordinator:
 
         def reset() -> None:
             for call in commands:
-                _give_up(call)
+                give_up(call)
 
         motion = UnansweredMotion(now, answer_by, until)
         with trial.at_own_pace():
@@ -494,7 +469,7 @@ class StopCoordinator:
         now = time.monotonic()
         for call in commands:
             if now - call.begun > _ACKNOWLEDGED and call.undelivered > 0:
-                _give_up(call)
+                give_up(call)
         ended = [call.ended_at for call in commands if call.ended_at is not None]
         if len(ended) < len(commands):
             return True
@@ -511,7 +486,7 @@ class StopCoordinator:
         Returns:
             Whether there are any.
         """
-        modes = [mode for call, mode in commands.items() if mode and not _void(call)]
+        modes = [mode for call, mode in commands.items() if mode and not void(call)]
         for mode in modes:
             self.modes.enter(*mode)
         return bool(modes)
@@ -600,7 +575,7 @@ class StopCoordinator:
             Whether anything is paused, as far as that is known.
         """
         with self.gate.stop(PermitEnding.PAUSED):
-            if self._halt_streams():
+            if halt_streams(self.streams):
                 # A stream follows a clock, so it cannot continue later where it was. But what it
                 # has sent is paused, and continues when resumed.
                 await self._silence_streams()
@@ -661,7 +636,7 @@ class StopCoordinator:
         try:
             with self.gate.stop():
                 overtaken = dict(self.pending)
-                if self._halt_streams():
+                if halt_streams(self.streams):
                     await self._silence_streams()
                 await self._controlled("abort")
                 await self.modes.leave()
@@ -722,41 +697,3 @@ class StopCoordinator:
         for task in self.follower.tasks:
             task.release_clock()  # `name` was sent, or the arm was stopped: its time continues
         await self.follower.complete(name, answer, _PAUSE_LIMIT, stops)
-
-
-def taken(call: LaneCall, *, followed: bool) -> bool:
-    """Whether the answer says that a command is carried out: by the id of a task, or its end."""
-    if not call.answered or call.error is not None:
-        return False
-    answer: int = call.value
-    return answer >= 0 if followed else answer == TaskState.FINISHED
-
-
-def _give_up(call: LaneCall) -> None:
-    """Wait for its answer no longer."""
-    missing = "no answer came in time" if call.handed_over else "it could not be sent in time"
-    call.abandon(missing, late=True)
-
-
-def _stopped_on_its_way(name: str, ending: PermitEnding | None) -> TaskStopped:
-    """The error of a command whose permit has ended, and with it what it had begun."""
-    if ending is None or ending.stops:
-        return TaskStopped(name, None, "was stopped: a stop was requested while it was on its way")
-    error = TaskStopped(name, None, f"was stopped: {ending.value} while it was on its way")
-    error.__cause__ = HeartbeatLost(ending.value)
-    return error
-
-
-def _void(call: LaneCall) -> bool:
-    """Whether it is certain that the controller did not get it."""
-    return call.answered and call.error is not None and not isinstance(call.error, ControllerError)
-
-
-def _may_move(error: BaseException | None) -> bool:
-    """Whether the controller may have accepted a command that ended with this error."""
-    if error is not None and not isinstance(error, DucoError):
-        return True
-    if isinstance(error, OutcomeUnknown):
-        return True
-    # An application error says that something failed, perhaps after the motion was queued.
-    return isinstance(error, ControllerError) and not isinstance(error, UnknownFunction)

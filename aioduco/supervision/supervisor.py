@@ -20,12 +20,12 @@ import sys
 import time
 from collections import deque
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple
 
 import anyio
 
 from aioduco._process.platform import boot_time
-from aioduco._process.reporting import FLUSH_LIMIT, BackgroundLogger, reporter
+from aioduco._process.reporting import BackgroundLogger, reporter
 from aioduco._process.spawn import started_in_place_of
 from aioduco._wire.endpoint import Endpoint, Route
 from aioduco._wire.failures import resource_error
@@ -49,7 +49,7 @@ from aioduco.errors import (
 from aioduco.models.ranges import TIMEOUT as SECONDS
 from aioduco.models.samples import Samples
 from aioduco.models.version import ControllerVersion
-from aioduco.supervision.concurrency import BackgroundTasks, every, on_grid, run_to_completion
+from aioduco.supervision.concurrency import BackgroundTasks, on_grid, run_to_completion
 from aioduco.supervision.dispatcher import Dispatcher
 from aioduco.supervision.envelope_keeper import EnvelopeKeeper
 from aioduco.supervision.envelope_watch import EnvelopeWatch
@@ -57,6 +57,12 @@ from aioduco.supervision.events import Events, LoopBlocked
 from aioduco.supervision.gate import Gate, PermitEnding
 from aioduco.supervision.heartbeat import Heartbeat, HeartbeatState, HeartbeatStatistics
 from aioduco.supervision.loop_watchdog import Liveness, keep_alives, watchdogs
+from aioduco.supervision.opening_and_closing import (
+    carry_out,
+    log_written,
+    until_beating,
+    version_of,
+)
 from aioduco.supervision.permits import Permits
 from aioduco.supervision.retry import pauses, retried
 from aioduco.supervision.state_feed import StateFeed
@@ -64,11 +70,12 @@ from aioduco.supervision.stop_channel import StopChannel
 from aioduco.supervision.stop_coordinator import StopCoordinator
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Iterator
+    from collections.abc import Callable, Iterator
 
     from aioduco._wire.rpc import AsyncRpc
     from aioduco.models.trace import Trace
     from aioduco.supervision.guard.guarded import GuardClient
+    from aioduco.supervision.opening_and_closing import ClosingStep
     from aioduco.supervision.settings import RobotSettings
     from aioduco.supervision.task import Task
 
@@ -79,17 +86,11 @@ _log = BackgroundLogger(__name__)
 _EXIT_LIMIT = 2.0
 #: seconds for a thread to end
 _GRACE = 1.0
-#: seconds between two checks whether a heartbeat was answered
-_LOOK_EVERY = 0.002
 #: why nothing beats until another guard does
 _GUARD_GONE = "the guard's process is gone; another is being started"
 _PORT = "the controller's port is 7003"
 #: closing is never skipped; each of its parts has a limit of its own
 _NO_LIMIT = math.inf
-
-
-#: a step when a robot is left: its name, its limit [s] (None: it is left out), and what it does
-_ClosingStep: TypeAlias = "tuple[str, float | None, Callable[[float], Awaitable[object]]]"
 
 
 class SupervisorStatistics(NamedTuple):
@@ -405,12 +406,12 @@ class Supervisor:
         timeout, where = self.settings.call_timeout, (self.host, self.port)
         try:
             await self.poll.call("get_robot_state", ())
-            version = await _version(self.poll)
+            version = await version_of(self.poll)
             await self._start_guard()
             self.gate.rearm(boot_time())  # opening may have taken long: it moved nothing
             if self.heartbeat is not None:
                 self.heartbeat.start()
-                if not await _beats(self.heartbeat, self.gate, timeout, opening=True):
+                if not await until_beating(self.heartbeat, self.gate, timeout, opening=True):
                     silent = TimeoutError("the heartbeat was not answered")
                     raise silent from self.heartbeat.error
         except TimeoutError as exc:
@@ -447,7 +448,7 @@ class Supervisor:
         if self._motions_over is not None and lane.connection == self._motions_over:
             return
         try:
-            version = await _version(lane)
+            version = await version_of(lane)
         except ConnectionLost as exc:
             raise NotSent(f"{name} was not sent: {exc}") from exc
         if version.manual != self.version.manual:
@@ -466,7 +467,7 @@ class Supervisor:
             return
         self.heartbeat.rearm()
         self.gate.rearm(boot_time())
-        if not await _beats(self.heartbeat, self.gate, limit):
+        if not await until_beating(self.heartbeat, self.gate, limit):
             raise HeartbeatLost(
                 "the event loop hung again; call robot.rearm_heartbeat() once more"
                 if self.gate.hung
@@ -563,9 +564,9 @@ class Supervisor:
             self._closed, self._closing, self._close_error = True, closing, None
             self.gate.close("the robot is closed, or is being closed")
             for name, limit, step in self._closing_steps():
-                error, again = await _carry_out(name, limit, step)
+                error, again = await carry_out(name, limit, step)
                 self._close_error, cancelled = self._close_error or error, again or cancelled
-            _, again = await run_to_completion(_written)
+            _, again = await run_to_completion(log_written)
             over = True
         finally:
             # If there was no memory, or a signal's handler raised, it can be closed once more.
@@ -587,7 +588,7 @@ class Supervisor:
         if cancelled is not None:
             raise cancelled
 
-    def _closing_steps(self) -> Iterator[_ClosingStep]:
+    def _closing_steps(self) -> Iterator[ClosingStep]:
         """Yield the closing steps; each depends on what the ones before it have done."""
         steps, coordinator = self.settings.steps, self.stop_coordinator
         yield "answers", steps.answers, self.dispatcher.quiet
@@ -683,71 +684,3 @@ class Supervisor:
             return
         self.gate.close("the event loop of the robot has ended; open it anew")
         self.forget()
-
-
-async def _version(lane: WireLane) -> ControllerVersion:
-    try:
-        return ControllerVersion(await lane.call("get_robot_version", ()))
-    except ControllerError:
-        return ControllerVersion("")  # older controllers may not report it
-
-
-async def _beats(
-    heartbeat: Heartbeat | GuardClient, gate: Gate, timeout: float, *, opening: bool = False
-) -> bool:
-    """Wait until a beat was answered, and the gate knows. Returns whether it was in time.
-
-    The heartbeat's thread tells the gate after it has noted the answer. Until then the gate may
-    have the end of an earlier beat's time, which has passed.
-
-    Args:
-        heartbeat: the heartbeat.
-        gate: what it opens.
-        timeout: seconds to wait.
-        opening: whether the robot is being opened: an event loop that hung meanwhile moved nothing.
-    """
-    until = time.monotonic() + timeout
-    async for due in every(_LOOK_EVERY):
-        if opening and (gate.hung or heartbeat.state is HeartbeatState.STALLED):
-            heartbeat.rearm()
-            gate.rearm(boot_time())
-        elif heartbeat.state is HeartbeatState.BEATING and gate.lease > boot_time():
-            return True
-        if due >= until or (gate.hung and not opening):
-            break
-    return False
-
-
-async def _written() -> None:
-    """Wait until the log messages are written, but not long if the program's handlers hang."""
-    done = anyio.Event()
-    if reporter.written(loop_callback(done.set)):
-        with anyio.move_on_after(FLUSH_LIMIT):
-            await done.wait()
-
-
-async def _carry_out(
-    name: str, limit: float | None, step: Callable[[float], Awaitable[object]]
-) -> tuple[Exception | None, BaseException | None]:
-    """Carry out a step when a robot is left, to its end, even if it is cancelled.
-
-    Returns:
-        Why it failed, and the last cancellation that came meanwhile.
-    """
-    if limit is None:
-        _log.info("leaving the robot: %s is left out", name)
-        return None, None
-    begin = time.monotonic()
-    try:
-        _, cancelled = await run_to_completion(lambda: step(limit))
-    except Exception as exc:
-        took = time.monotonic() - begin
-        known = isinstance(exc, DucoError)
-        _log.warning(
-            "leaving the robot: %s failed after %.3f s: %s",
-            *(name, took, exc),
-            exc_info=None if known else exc,
-        )
-        return exc, None
-    _log.debug("leaving the robot: %s took %.3f s", name, time.monotonic() - begin)
-    return None, cancelled

@@ -12,7 +12,7 @@ from interpreter import python
 
 from aioduco import ParameterError, WorkerFailed
 from aioduco.api.streams.servo import Servo
-from aioduco.cli.monitor.client import Key, wait_for_keys
+from aioduco.cli.monitor.observer import Key, wait_for_keys
 from aioduco.devices.teleoperation import KeyboardDevice, devices
 from aioduco.streaming import session
 from aioduco.streaming.endpoint import StreamEndpoint

@@ -273,7 +273,7 @@ async def test_what_it_had_sent_is_not_left_paused(sim: Simulator, totals: Count
 async def test_a_stop_does_not_wait_for_a_worker_that_hangs(
     robot: aioduco.Robot, sim: Simulator, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("aioduco.supervision.stop_coordinator._SILENCE", 0.2)
+    monkeypatch.setattr("aioduco.supervision.motion_sources._SILENCE", 0.2)
     async with no_leaks():
         stream = robot.servo.joints(v=1.0, a=8.0)
 

@@ -173,7 +173,7 @@ def test_steps_are_times_or_none() -> None:
 
 async def test_each_step_is_logged(bench: Bench, caplog: pytest.LogCaptureFixture) -> None:
     bench.motion_time = 30.0
-    caplog.set_level("DEBUG", "aioduco.supervision.supervisor")
+    caplog.set_level("DEBUG", "aioduco.supervision")
     steps = aioduco.ClosingSteps(modes=None)
     async with aioduco.connect(bench.host, bench.port, closing_steps=steps) as robot:
         robot._supervisor.stop_coordinator.modes.force_control = True

@@ -27,7 +27,7 @@ from aioduco._wire.own_connection import OwnConnection
 from aioduco.supervision.gate import Gate
 from aioduco.supervision.heartbeat import Heartbeat
 from aioduco.supervision.loop_watchdog import Liveness
-from aioduco.supervision.supervisor import _beats
+from aioduco.supervision.opening_and_closing import until_beating
 from aioduco.testing import Cut, DropReply, FaultProxy, Place, eventually, eventually_async
 
 
@@ -89,9 +89,9 @@ async def test_a_beat_whose_time_has_passed_does_not_rearm() -> None:
     gate = Gate(0.5, 2.0, now)
     gate.beaten(now - 10.0)  # the heartbeat has an answer of which the gate does not know yet
     answered = cast("Heartbeat", SimpleNamespace(state=HeartbeatState.BEATING))
-    assert not await _beats(answered, gate, 0.0)
+    assert not await until_beating(answered, gate, 0.0)
     gate.beaten(now + 60.0)
-    assert await _beats(answered, gate, 0.0)
+    assert await until_beating(answered, gate, 0.0)
 
 
 @pytest.mark.slow

@@ -49,7 +49,7 @@ def monitor(
 
     import aioduco  # noqa: PLC0415
     from aioduco._process.platform import single_keys  # noqa: PLC0415
-    from aioduco.cli.monitor.client import MonitorClient  # noqa: PLC0415
+    from aioduco.cli.monitor.observer import MonitorClient  # noqa: PLC0415
     from aioduco.cli.monitor.screen import screen  # noqa: PLC0415
     from aioduco.cli.safe_console import SafeConsole  # noqa: PLC0415 - for this command alone
 
