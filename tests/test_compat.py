@@ -805,6 +805,24 @@ def test_a_program_that_is_a_module_of_a_package(name: str, tmp_path: Path) -> N
     assert done.stdout == "aioduco.compat True __main__ ['-m', 'more']\n", done.stderr
 
 
+@pytest.mark.parametrize("package", ["DucoCobot", "cell.DucoCobot"])
+def test_own_modules_in_the_vendors_folder(package: str, tmp_path: Path) -> None:
+    """They are imported as they are, wherever that folder is."""
+    folder = tmp_path.joinpath(*package.split("."))
+    folder.mkdir(parents=True)
+    (folder / "DucoCobot.py").write_text("raise ImportError", encoding="utf-8")
+    (folder / "points.py").write_text("HOME = 'home'", encoding="utf-8")
+    program = tmp_path / "program.py"
+    program.write_text(
+        f"from {package}.DucoCobot import DucoCobot\n"
+        f"from {package}.points import HOME\n"
+        "print(DucoCobot.__module__, HOME)\n",
+        encoding="utf-8",
+    )
+    done = python("-m", "aioduco.compat", str(program))
+    assert done.stdout == "aioduco.compat home\n", done.stderr
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["nothing", "nothing.here", "there.not", "json.decoder.not", "..here"]

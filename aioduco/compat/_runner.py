@@ -116,13 +116,20 @@ class VendorModules(MetaPathFinder, Loader):
     def find_spec(
         self,
         fullname: str,
-        path: Sequence[str] | None = None,  # noqa: ARG002  # the import system hands it over
-        target: ModuleType | None = None,  # noqa: ARG002
+        path: Sequence[str] | None = None,
+        target: ModuleType | None = None,  # noqa: ARG002  # the import system hands it over
     ) -> ModuleSpec | None:
-        """Return the spec of the module, if it is one of them."""
+        """Return the spec of the module, if it is one of them.
+
+        Where the vendor's folder exists, further modules in it are found there.
+        """
         if self._vendor_name(fullname) is None:
             return None
-        return ModuleSpec(fullname, self, origin=compat.__name__, is_package=True)
+        spec = ModuleSpec(fullname, self, origin=compat.__name__, is_package=True)
+        there = PathFinder.find_spec(fullname, path)
+        if there is not None and there.submodule_search_locations is not None:
+            spec.submodule_search_locations = list(there.submodule_search_locations)
+        return spec
 
     def exec_module(self, module: ModuleType) -> None:
         """Fill the module."""
