@@ -77,7 +77,7 @@ CALLS: list[tuple[str, dict[str, Any], dict[str, Any], TaskState]] = [
     ("fc_wait_vel", WAIT, {"middle": [5.1, *FIVE]}, WRONG),
     ("fc_wait_vel", WAIT, {"middle": [*FIVE, 6.2]}, FINE),
     ("fc_wait_vel", WAIT, {"middle": [*FIVE, 6.3]}, WRONG),
-    ("fc_wait_vel", WAIT, {"range": [*FIVE, -1.0]}, WRONG),
+    ("fc_wait_vel", WAIT, {"range": [*FIVE, -1.0]}, FINE),
     ("fc_wait_ft", WAIT, {"middle": [1001.0, *FIVE]}, WRONG),
     ("fc_wait_ft", WAIT, {"range": [NAN, *FIVE]}, WRONG),
     ("fc_wait_ft", WAIT, {"range": []}, WRONG),
@@ -134,6 +134,16 @@ def test_what_was_wrong_changes_nothing(robot: Program) -> None:
         robot.connection.call("fc_config", tuple(arguments.values()))
     assert not robot.fc_mode_is_active()
     assert robot.fc_get_ft() == pytest.approx(SIX, abs=1e-3)
+
+
+def test_a_negative_range_is_its_absolute_value(robot: Program, strict: Program) -> None:
+    for program, state in ((robot, FINE), (strict, WRONG)):
+        id_ = program.fc_wait_pos(SIX, [-1.0] * 6, False, 0, 60_000)
+        assert program.ended(id_) == state
+    assert robot.ended(robot.connection.call("fc_config", tuple(CONFIG.values()))) == FINE
+    assert robot.ended(robot.fc_start()) == FINE
+    assert robot.ended(robot.fc_wait_logic([1, 0, 0])) == FINE
+    assert robot.fc_move(True) == FINE  # at once
 
 
 def test_force_control_needs_an_enabled_arm_and_a_sensor(sim: Simulator, robot: Program) -> None:

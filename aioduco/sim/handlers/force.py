@@ -121,7 +121,7 @@ class ForceHandlers(HandlerSection):
         self, controller: Controller, middle: Sequence[float], **condition: Any
     ) -> None:
         """位置判断条件."""
-        _wait_for(controller, "pos", numbers("middle", middle, 6), **condition)
+        self._wait_for(controller, "pos", numbers("middle", middle, 6), **condition)
 
     @task(block=False)
     def fc_wait_vel(
@@ -129,12 +129,12 @@ class ForceHandlers(HandlerSection):
     ) -> None:
         """速度判断条件."""
         speeds = six("middle", middle, _SPEED, "m/s, rad/s", _TURNING)
-        _wait_for(controller, "vel", speeds, **condition)
+        self._wait_for(controller, "vel", speeds, **condition)
 
     @task(block=False)
     def fc_wait_ft(self, controller: Controller, middle: Sequence[float], **condition: Any) -> None:
         """力判断条件."""
-        _wait_for(controller, "ft", six("middle", middle, _FORCE, "N, N m"), **condition)
+        self._wait_for(controller, "ft", six("middle", middle, _FORCE, "N, N m"), **condition)
 
     @task(block=False)
     def fc_wait_logic(self, controller: Controller, value: Sequence[int]) -> int:
@@ -163,25 +163,29 @@ class ForceHandlers(HandlerSection):
         tip = self._frames.tool(tool).matrix
         return ForceAxes(tip, self._frames.wobj(wobj).matrix, kind == ForceFrame.TOOL)
 
-
-def _wait_for(
-    controller: Controller,
-    quantity: Quantity,
-    middle: tuple[float, ...],
-    *,
-    range: Sequence[float],  # noqa: A002  # the wire's name
-    absolute: bool,
-    duration: int,
-    timeout: int,
-) -> None:
-    condition = Condition(
-        middle,
-        _amounts("range", range),
-        absolute,
-        number("duration", duration, 0, math.inf, "ms") / 1000.0,
-        number("timeout", timeout, 0, math.inf, "ms") / 1000.0,
-    )
-    controller.force.control.conditions.set(quantity, condition)
+    def _wait_for(
+        self,
+        controller: Controller,
+        quantity: Quantity,
+        middle: tuple[float, ...],
+        *,
+        range: Sequence[float],  # noqa: A002  # the wire's name
+        absolute: bool,
+        duration: int,
+        timeout: int,
+    ) -> None:
+        widths = numbers("range", range, 6)
+        if min(widths) < 0.0:
+            text = f"range is {list(widths)}, but must be from 0"
+            self._forgiving.forgive("negative range of a condition", text)
+        condition = Condition(
+            middle,
+            tuple(map(abs, widths)),
+            absolute,
+            number("duration", duration, 0, math.inf, "ms") / 1000.0,
+            number("timeout", timeout, 0, math.inf, "ms") / 1000.0,
+        )
+        controller.force.control.conditions.set(quantity, condition)
 
 
 def _directions(values: Sequence[bool]) -> tuple[bool, ...]:
