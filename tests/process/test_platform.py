@@ -12,7 +12,7 @@ from interpreter import python
 
 from aioduco import ParameterError, WorkerFailed
 from aioduco.api.streams.servo import Servo
-from aioduco.cli.monitor.observer import Key, wait_for_keys
+from aioduco.cli.monitor.observer import Key, TerminalKeys
 from aioduco.devices.teleoperation import KeyboardDevice, devices
 from aioduco.streaming import session
 from aioduco.streaming.endpoint import StreamEndpoint
@@ -85,5 +85,6 @@ async def test_keys_of_a_console_that_cannot_be_waited_for(monkeypatch: pytest.M
             return cls.keys.pop(0)
 
     monkeypatch.setitem(sys.modules, "msvcrt", Console)
-    assert await wait_for_keys(0) == []
-    assert await wait_for_keys(0) == [Key.STOP]
+    keys = TerminalKeys(0)
+    assert await keys.wait() == []
+    assert await keys.wait() == [Key.STOP]

@@ -50,33 +50,55 @@ class Key(enum.Enum):
 _KEYS: Final = {" ": Key.STOP, "s": Key.STOP, "p": Key.PAUSE, "r": Key.RESUME, "q": Key.QUIT}
 #: sequences that terminals send for arrows, function keys and the like; no letter in them is a key
 _SEQUENCE: Final = re.compile(r"\x1b(?:\[[0-?]*[ -/]*[@-~]?|O.?|.?)", re.DOTALL)
+#: one whose end is still to come
+_BEGUN: Final = re.compile(r"\x1b(?:\[[0-?]*|O)?\Z")
 
 
-def keys_of(data: bytes) -> list[Key]:
-    """The commands in the bytes from a terminal. Other keys are ignored."""
-    text = _SEQUENCE.sub("", data.decode(errors="replace"))
-    return [_KEYS[letter] for letter in text.lower() if letter in _KEYS]
+class TerminalKeys:
+    """The keys of a terminal.
 
+    Args:
+        terminal: file descriptor from which they are read.
+    """
 
-async def wait_for_keys(terminal: int) -> list[Key] | None:
-    """Wait for keys, and return their commands; None if the terminal was closed."""
-    try:
-        import msvcrt  # noqa: PLC0415 - Windows has it, and its console cannot be waited for
-    except ImportError:
-        await anyio.wait_readable(terminal)
+    def __init__(self, terminal: int) -> None:
+        self._terminal = terminal
+        self._begun = ""
+
+    async def wait(self) -> list[Key] | None:
+        """Wait for keys, and return their commands; None if the terminal was closed."""
         try:
-            data = os.read(terminal, 1024)
-        except OSError:
-            return None
-        return keys_of(data) if data else None
-    console: Any = msvcrt
-    while not console.kbhit():  # noqa: ASYNC110 - nothing else tells of a key
-        await anyio.sleep(_LOOK)
-    letter = console.getwch()
-    if letter in "\0\xe0":  # prefix of an arrow or a function key: the next code is no letter
-        console.getwch()
-        return []
-    return keys_of(letter.encode())
+            import msvcrt  # noqa: PLC0415 - Windows has it, and its console cannot be waited for
+        except ImportError:
+            await anyio.wait_readable(self._terminal)
+            try:
+                data = os.read(self._terminal, 1024)
+            except OSError:
+                return None
+            return self.commands(data) if data else None
+        console: Any = msvcrt
+        while not console.kbhit():  # noqa: ASYNC110 - nothing else tells of a key
+            await anyio.sleep(_LOOK)
+        letter = console.getwch()
+        if letter in "\0\xe0":  # prefix of an arrow or a function key: the next code is no letter
+            console.getwch()
+            return []
+        return self.commands(letter.encode())
+
+    def commands(self, data: bytes) -> list[Key]:
+        """The commands in further bytes of the terminal; other keys are ignored.
+
+        A sequence may come in pieces: the R of F3 is none that resumes. A stop at the begin of the
+        bytes is one, whatever came before.
+        """
+        text = data.decode(errors="replace")
+        stops = _KEYS.get(text[:1].lower()) is Key.STOP
+        if not stops and (self._begun != "\x1b" or text[:1] in ("[", "O")):
+            text = self._begun + text
+        begun = _BEGUN.search(text)
+        self._begun = begun[0] if begun is not None else ""
+        text = _SEQUENCE.sub("", text)
+        return [_KEYS[letter] for letter in text.lower() if letter in _KEYS]
 
 
 #: seconds between two reads of values that change seldom
@@ -115,7 +137,7 @@ class MonitorClient:
         self, robot: Robot, name: str, terminal: int, draw: Callable[[MonitorState], object]
     ) -> None:
         self._robot = robot
-        self._terminal = terminal
+        self._keys = TerminalKeys(terminal)
         self._draw = draw
         self._state = MonitorState(name, rate=robot.feed.rate)
         self._events: deque[EventLine] = deque(maxlen=_KEPT)
@@ -157,7 +179,7 @@ class MonitorClient:
                 looking.cancel()
 
     async def _follow_keys(self, work: anyio.abc.TaskGroup) -> None:
-        while (keys := await wait_for_keys(self._terminal)) is not None:
+        while (keys := await self._keys.wait()) is not None:
             for key in keys:
                 if key is Key.QUIT:
                     return
