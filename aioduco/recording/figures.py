@@ -208,6 +208,7 @@ def draw_panels(
         _draw_marks(axes[0], happened, length)
         axes = axes[1:]
     for axis, panel in zip(axes, shown, strict=True):
+        of_first = {curve.name for curve in panel.curves if not curve.second}
         for curve in panel.curves:
             axis.plot(
                 curve.times,
@@ -215,7 +216,7 @@ def draw_panels(
                 color=curve.colour,
                 linewidth=1.0,
                 linestyle="--" if curve.second else "-",
-                label=None if curve.second else curve.name,
+                label=None if curve.second and curve.name in of_first else curve.name,
             )
         for at, _ in happened:
             axis.axvline(at, color="0.8", linewidth=0.6, zorder=0)

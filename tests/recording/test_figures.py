@@ -148,6 +148,24 @@ def test_a_panel_of_zeros_is_left_out_unless_there_is_no_other() -> None:
     assert [panel.title for panel in panels(only)] == ["joint angles"]
 
 
+@pytest.mark.slow
+def test_what_only_the_second_recording_has_is_named() -> None:
+    pytest.importorskip("matplotlib")
+
+    class Forced(Plain):
+        def arrays(self, topic: str) -> dict[str, Any]:
+            forces = {f"force.{axis}": np.ones(2) for axis in "xyz"}
+            return super().arrays(topic) | (forces if topic == "/wrench" else {})
+
+    class Unforced(Plain):
+        topics: ClassVar = {"/joint_states": 2}
+
+    *_, force = drawn(Unforced(), Forced()).axes  # type: ignore[arg-type]
+    legend = force.get_legend()
+    assert legend is not None
+    assert [text.get_text() for text in legend.get_texts()] == ["x", "y", "z"]
+
+
 @for_each("steps, shown", [(1, False), (3, True)])
 def test_a_distance_of_one_step_of_a_recording_is_none(steps: int, shown: bool) -> None:
     class Followed(Plain):
