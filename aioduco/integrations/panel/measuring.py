@@ -16,6 +16,7 @@ from aioduco.errors import CalibrationError, ParameterError
 from aioduco.kinematics import (
     calibrate_tool_axes,
     calibrate_tool_tip,
+    gravity,
     identify_load_by_forces,
     identify_load_by_torques,
 )
@@ -26,17 +27,24 @@ if TYPE_CHECKING:
     from aioduco import Joints, Robot
     from aioduco.integrations.panel.page_requests import MeasureStep, WriteMeasured
     from aioduco.kinematics import Arm, MeasuredLoad, ToolAxes, ToolTip
+    from aioduco.kinematics.mounting import MountingLike
 
 
 #: readings of a pose, and seconds between two
 _READINGS: Final = 50
 _EVERY: Final = 0.02
+#: largest difference of a joint over these readings [rad]
+_AT_REST: Final = 2e-3
 _MIN_TOUCHES: Final = 4
 _MIN_POSES: Final = 6
 
 
 class Measurement:
     """What was read of a tool and a load, and what follows from it.
+
+    Args:
+        arm: the arm.
+        mounting: where its base is in the world.
 
     Attributes:
         arm: the arm; the panel sets it.
@@ -46,16 +54,20 @@ class Measurement:
         poses: joints and reading of each pose of the load.
         sensor: what was read of a load: "torque" or "force".
         known: load that the controller knows of, in the flange's frame.
+        written: whether a load was written after the first of these poses.
+        gravity: acceleration of gravity along the base's axes [m/s²].
     """
 
-    def __init__(self, arm: Arm) -> None:
+    def __init__(self, arm: Arm, mounting: MountingLike = "floor") -> None:
         self.arm: Arm = arm
+        self.gravity: list[float] = gravity(mounting).tolist()
         self.touches: list[Pose] = []
         self.ahead: Pose | None = None
         self.beside: Pose | None = None
         self.poses: list[tuple[Joints, Sequence[float]]] = []
         self.sensor: str = "torque"
         self.known: Load = Load(0.0)
+        self.written: bool = False
 
     def tip(self) -> ToolTip:
         """Compute the tool's tip.
@@ -87,8 +99,11 @@ class Measurement:
             raise CalibrationError(f"read {_MIN_POSES} poses or more, eight are good")
         joints, read = zip(*self.poses, strict=True)
         if self.sensor == "force":
-            return identify_load_by_forces([self.arm.fkine(q) for q in joints], read)
-        return identify_load_by_torques(self.arm, joints, read, known=self.known)
+            flanges = [self.arm.fkine(q) for q in joints]
+            return identify_load_by_forces(flanges, read, gravity=self.gravity)
+        return identify_load_by_torques(
+            self.arm, joints, read, known=self.known, gravity=self.gravity
+        )
 
     def as_json(self) -> dict[str, object]:
         """What pages show."""
@@ -146,7 +161,12 @@ async def take_step(measured: Measurement, robot: Robot, request: MeasureStep) -
 async def _read_pose(measured: Measurement, robot: Robot, sensor: str) -> None:
     if measured.poses and sensor != measured.sensor:
         raise ParameterError("sensor", sensor, f"{measured.sensor}, as for the other poses")
-    measured.sensor, measured.known = sensor, await robot.frames.get_tool_load()
+    known = await robot.frames.get_tool_load()
+    if measured.poses and (measured.written or known != measured.known):
+        raise CalibrationError(
+            "the controller's load has changed since the first pose: begin again"
+        )
+    begun = await robot.state.get_actual_joints_position()
     read = robot.force.fc_get_ft if sensor == "force" else robot.state.get_ext_torque
     values, due = [], anyio.current_time()
     for _ in range(_READINGS):
@@ -156,7 +176,11 @@ async def _read_pose(measured: Measurement, robot: Robot, sensor: str) -> None:
     mean = np.mean(values, axis=0)
     if not np.isfinite(mean).all():
         raise CalibrationError(f"the controller tells no {sensor}: nothing was stored")
-    measured.poses.append((await robot.state.get_actual_joints_position(), mean.tolist()))
+    joints = await robot.state.get_actual_joints_position()
+    if not joints.almost_equal(begun, _AT_REST):
+        raise CalibrationError("the arm moved while it was read: nothing was stored")
+    measured.sensor, measured.known, measured.written = sensor, known, False
+    measured.poses.append((joints, mean.tolist()))
 
 
 async def write(measured: Measurement, robot: Robot, request: WriteMeasured) -> str:
@@ -175,6 +199,7 @@ async def write(measured: Measurement, robot: Robot, request: WriteMeasured) -> 
     else:
         load = measured.load().load
         offset = await frames.get_tcp_offset()
+        measured.written = True  # also if that fails: it may have been carried out
         if request.what == "held":
             held = load.without_load(await frames.get_tool_load()).in_tool(offset)
             await frames.set_load_data(held)

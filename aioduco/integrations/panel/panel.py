@@ -226,7 +226,7 @@ class Panel(Uncopied):
         self._commander: Robot | None = None
         self._scene: ArmScene | None = None
         self._arm = arm_of(model or _DRAWN_AS)
-        self._measured = Measurement(self._arm)
+        self._measured = Measurement(self._arm, "floor" if scene is None else scene.mounting)
         self._all: TaskGroup | None = None
         self._work: TaskGroup | None = None
         self._lease_over = anyio.Event()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -12,10 +12,12 @@ import pytest
 import aioduco
 from aioduco import Load, Pose
 from aioduco.errors import CalibrationError, ParameterError
+from aioduco.integrations.panel import Panel
 from aioduco.integrations.panel.measuring import Measurement, take_step, write
 from aioduco.integrations.panel.page_requests import MeasureStep, Sensor, Step, WriteMeasured
 from aioduco.kinematics import arm
 from aioduco.models.rotation import matrix_from_rotvec
+from aioduco.planning import Scene
 from aioduco.sim import Simulator
 
 HOME = (0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0)
@@ -103,14 +105,16 @@ async def test_a_tool_is_measured_and_written() -> None:
 
 
 @pytest.mark.cases(1)
-@pytest.mark.parametrize("sensor", ["torque", "force"])
+@pytest.mark.parametrize(
+    ("sensor", "mounting"), [("torque", "floor"), ("force", "floor"), ("torque", "ceiling")]
+)
 async def test_a_load_is_measured_and_written(
-    monkeypatch: pytest.MonkeyPatch, sensor: Sensor
+    monkeypatch: pytest.MonkeyPatch, sensor: Sensor, mounting: Literal["floor", "ceiling"]
 ) -> None:
     monkeypatch.setattr("aioduco.integrations.panel.measuring._EVERY", 0.0)
-    measured, hidden = Measurement(GCR5), Load(1.5, 0.02, -0.01, 0.1)
+    measured, hidden = Measurement(GCR5, mounting), Load(1.5, 0.02, -0.01, 0.1)
     options: dict[str, Any] = {"heartbeat": None}
-    with Simulator(speed=math.inf, joints=HOME) as sim:
+    with Simulator(speed=math.inf, joints=HOME, mounting=mounting) as sim:
         sim.load(hidden.mass, hidden[1:])
         async with aioduco.connect(sim.host, sim.port, **options) as robot:
             await robot.bring_up()
@@ -129,5 +133,26 @@ async def test_a_load_is_measured_and_written(
             assert kilograms(said) == pytest.approx(1.0, abs=0.01)
             await write(measured, robot, WriteMeasured("load", "whole"))
             assert np.allclose(await robot.frames.get_tool_load(), hidden, atol=0.01)
+            with pytest.raises(CalibrationError, match="load has changed"):
+                await read(measured, robot, "pose", sensor)
             await read(measured, robot, "drop_pose", sensor)
             assert len(measured.poses) == 5
+
+
+async def test_a_pose_at_which_the_arm_moves_is_not_stored(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("aioduco.integrations.panel.measuring._READINGS", 1)
+    measured = Measurement(GCR5)
+    with Simulator(joints=HOME) as sim:
+        async with aioduco.connect(sim.host, sim.port, heartbeat=None, clock=sim.clock) as robot:
+            await robot.bring_up()
+            moving = await robot.motion.movej2((3.0, *HOME[1:]), v=0.2, a=5.0).start()
+            await sim.wait_until_async(lambda: sim.joints[0] > 0.1)
+            with pytest.raises(CalibrationError, match="the arm moved"):
+                await read(measured, robot, "pose", "torque")
+            await moving.cancel()
+    assert not measured.poses
+
+
+def test_the_load_of_a_panel_hangs_as_the_arm_of_its_scene_is_mounted() -> None:
+    panel = Panel("192.0.2.1", scene=Scene("gcr5_910", mounting="ceiling"))
+    assert panel._measured.gravity == pytest.approx([0.0, 0.0, 9.81], abs=1e-9)
