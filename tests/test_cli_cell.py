@@ -108,6 +108,14 @@ def test_points_of_a_cell_are_taught_in_their_file(tmp_path: Path) -> None:
     assert file.read_text().splitlines()[:7] == before.splitlines()[:7]
 
 
+def test_waypoints_are_not_taught_into_the_file_of_a_cell(tmp_path: Path) -> None:
+    file = written(tmp_path)
+    before = file.read_text()
+    refused = run("teach", "127.0.0.1", "--port", "1", "-o", str(file))
+    assert (refused.exit_code, "--cell" in told(refused)) == (2, True), refused.output
+    assert file.read_text() == before
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("option", ["--cell", "-o"])
 def test_what_a_person_edits_while_points_are_taught_is_kept(

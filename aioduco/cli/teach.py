@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from aioduco.cli.addresses import CellFile, Host, Port, robot_at
-from aioduco.cli.cell_file import load_cell
+from aioduco.cli.cell_file import is_cell, load_cell
 from aioduco.cli.exit_codes import say_error
 from aioduco.cli.options import Guide, refuse_unused, require_writable
 from aioduco.cli.output import say
@@ -54,6 +54,9 @@ def teach(
         output: File; new waypoints are appended to it.
         yes: Do not ask before hand guiding begins.
     """
+    if cell is None and is_cell(output):
+        text = f"{output} is the file of a cell: --cell {output} stores points there"
+        raise typer.BadParameter(text, param_hint="--output")
     if cell is not None:
         refuse_unused(context, "waypoints: with --cell, points are stored there", "output")
     require_writable("--output", output)
