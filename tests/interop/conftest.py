@@ -12,10 +12,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from recording.conftest import whole
 
 from aioduco.sim import Simulator
 
 from . import build
+
+__all__ = ["Generated", "connected", "whole"]
 
 #: what the compiler writes into
 _PACKAGES = ("duco", "clients")

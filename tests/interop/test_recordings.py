@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import logging
 import os
 import shutil
 import subprocess
@@ -13,10 +12,8 @@ from typing import Any
 
 import pytest
 
-import aioduco.sync
 from aioduco.recording import RecordedRun, read
 from aioduco.recording.container import DATA_END
-from aioduco.sim import Simulator
 
 pytestmark = [pytest.mark.interop, pytest.mark.slow, pytest.mark.timeout(300)]
 
@@ -26,25 +23,6 @@ MODULES = os.environ.get("AIODUCO_VIEWERS")
 
 #: a message: its topic, its time [ns], what it says
 Said = tuple[str, int, dict[str, Any]]
-
-
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A recording of a motion of the simulated arm."""
-    path = tmp_path_factory.mktemp("recording") / "run.mcap"
-    with (
-        Simulator() as sim,
-        aioduco.sync.connect(
-            sim.host, sim.port, state_rate=100, clock=sim.clock, heartbeat=None
-        ) as robot,
-    ):
-        robot.bring_up()
-        robot.frames.set_tool_data("long", [0.1, 0.0, 0.2, 0.0, 0.3, 0.0], [1, 0, 0, 0])
-        with robot.record(path) as recording:
-            line = logging.LogRecord("own", logging.ERROR, "a.py", 7, "no part", (), None)
-            recording.handler.handle(line)
-            robot.motion.movej2([0.4, -0.2, 1.8, 0.1, -1.5, 0.2], v=1.0, a=2.0)
-    return path
 
 
 @pytest.fixture(scope="module")

@@ -210,10 +210,6 @@ def test_in_plain_scripts(
             compared(name, arm, answer)
 
 
-def printed_defaults() -> list[tuple[str, dict[str, Any]]]:
-    return [(name, one) for name in CALLED for one in inputs(name) if one.get("optional")]
-
-
 def stated(one: dict[str, Any]) -> Any:
     """A default as Python has it; the text's where the prototype has another."""
     if "default" in one:

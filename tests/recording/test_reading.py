@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import csv
 import json
-import logging
 import struct
 from pathlib import Path
 from typing import Any
@@ -24,22 +23,6 @@ from aioduco.recording.channels import ANGLE, LENGTH, QUATERNION, SPEED
 from aioduco.recording.container import CHANNEL, CHUNK, DATA_END, MAGIC, MESSAGE, METADATA, SCHEMA
 from aioduco.sim import Simulator
 from recording.mcap_records import channel, decoded, message, record, text
-
-
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A recording of a motion of the simulated arm."""
-    path = tmp_path_factory.mktemp("recording") / "run.mcap"
-    with (
-        Simulator() as sim,
-        aioduco.sync.connect(sim.host, sim.port, state_rate=100, clock=sim.clock) as robot,
-    ):
-        robot.bring_up()
-        with robot.record(path) as recording:
-            line = logging.LogRecord("own", logging.ERROR, "a.py", 7, "no part", (), None)
-            recording.handler.handle(line)
-            robot.motion.movej2([0.4, -0.2, 1.8, 0.1, -1.5, 0.2], v=1.0, a=2.0)
-    return path
 
 
 @pytest.fixture
