@@ -117,9 +117,10 @@ class Robotiq(ModbusGripper):
             if self._going:
                 raise GripperNotActivated(f"{self} is not activated any more: activate it")
             return GripperState(None, None, found.activation is registers.Activation.ACTIVATING, at)
-        # Until the echo equals this request, the state may belong to the request before.
-        stale = found.going and self._sent[0] >> 8 & 8 and found.requested != self._sent[1]
-        moving = bool(stale) or (found.going and found.grip is registers.RobotiqGrip.MOVING)
+        # Until it follows, and the echo equals this request, the state may be of the one before.
+        asked = bool(self._sent[0] >> 8 & 8)
+        stale = asked and not (found.going and found.requested == self._sent[1])
+        moving = stale or (found.going and found.grip is registers.RobotiqGrip.MOVING)
         caught = found.grip in (
             registers.RobotiqGrip.CAUGHT_CLOSING,
             registers.RobotiqGrip.CAUGHT_OPENING,
