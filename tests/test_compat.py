@@ -21,6 +21,7 @@ from thrift.transport.TTransport import TTransportException
 
 from aioduco import compat
 from aioduco._wire import idl, rpc
+from aioduco._wire.connection import Connection
 from aioduco.compat import DucoCobot
 from aioduco.compat._generated import KEYWORDS
 from aioduco.compat._runner import VendorModules
@@ -480,6 +481,24 @@ def test_a_motion_that_waits_when_the_arm_is_stopped_is_not_sent(
     assert is_set == [4]
     assert not server.received("servoj")
     assert robot.servoj(JOINTS, 1.0, 1.0) == 1000
+
+
+def test_a_stop_until_the_last_moment_keeps_a_motion_back(
+    server: RecordingServer, robot: DucoCobot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    server.answer("stop", 4)
+    hand_over = Connection.hand_over
+
+    def late(connection: Connection) -> None:
+        hand_over(connection)
+        if connection is robot._connection:
+            assert second.stop(True) == 4
+
+    with DucoCobot(server.host, server.port) as second:
+        monkeypatch.setattr(Connection, "hand_over", late)
+        with pytest.raises(TaskStopped):
+            robot.movej2(JOINTS, 1.0, 1.0, 0.0, True)
+    assert [call.method for call in server.received()] == ["stop"]
 
 
 def test_a_call_in_the_middle_of_another_by_a_signal_handler(

@@ -328,15 +328,16 @@ class DucoCobot(Uncopied, ManualFunctions):
             _last_stops[address] = object()
             return self._stop(name, args)
         last_stop = _last_stops.get(address)
+
+        def permit() -> None:
+            if name.startswith(_MOVES) and _last_stops.get(address) is not last_stop:
+                raise TaskStopped(name, None, "was not sent, since the arm was stopped meanwhile")
+
         self._acquire()
         try:
-            if name.startswith(_MOVES) and _last_stops.get(address) is not last_stop:
-                raise TaskStopped(
-                    name, None, "was not sent, since the arm was stopped while it waited"
-                )
             if self._session is not session:
                 raise ConnectionLost(f"{name} was not sent: the connection was closed")
-            return self._exchange(name, args)
+            return self._exchange(name, args, permit)
         finally:
             self._lock.release()
 
@@ -351,8 +352,16 @@ class DucoCobot(Uncopied, ManualFunctions):
                 self._lock.release()
         return self._send_aside(name, args)
 
-    def _exchange(self, name: str, args: tuple[Any, ...]) -> Any:
-        """Call on the object's own connection, if no call is in progress; it holds the lock."""
+    def _exchange(
+        self, name: str, args: tuple[Any, ...], permit: Callable[[], object] | None = None
+    ) -> Any:
+        """Call on the object's own connection, if no call is in progress; it holds the lock.
+
+        Args:
+            name: the function.
+            args: one value per parameter.
+            permit: raises an error if it must not be sent, asked last before it is.
+        """
         connection = self._connection
         if connection is None:
             raise ConnectionLost(f"{name} was not sent: the connection was closed")
@@ -369,7 +378,7 @@ class DucoCobot(Uncopied, ManualFunctions):
             raise ConnectionLost(f"{name} was not sent: {connection.reason}; call open() first")
         connection.hand_over()
         try:
-            return connection.call(name, args, self.timeout)
+            return connection.call(name, args, self.timeout, permit)
         except Exception:
             raise
         except BaseException:
