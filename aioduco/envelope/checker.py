@@ -39,6 +39,8 @@ SLOW_SHARE = 0.9
 #: joint deceleration that a stopping arm reaches for certain [rad/s²]
 STOPPING = 5.0
 _BACK = 1e-5  # least distance by which a path leads back, more than rounding [m, rad]
+_SINGULAR = 0.02  # distance from a singularity within which the seed may be on the other branch
+_SWING = 1.0  # turn of a joint in one sweep that only a singularity causes [rad]
 _HALVINGS = 8  # halvings of a chord before a zone that it passes closely counts as crossed
 _NOWHERE = (math.nan, math.nan, math.nan)
 _ROUNDING = 1e-9  # upper bound of the rounding error of a summed distance [m]
@@ -234,14 +236,21 @@ class EnvelopeChecker:
             self._solve = lambda flange, q6: solutions(geometry, flange, q6)
             self._nearest = nearest_turns
         seed = self.seed
-        best, least = None, math.inf
-        for found in self._solve(rows, seed[5]):
-            turned = self._nearest(found, seed, self._lower, self._upper)
-            if turned is not None and (off := math.dist(turned, seed)) < least:
-                best, least = tuple(turned), off
-        if best is None:
+        turned = [
+            self._nearest(found, seed, self._lower, self._upper)
+            for found in self._solve(rows, seed[5])
+        ]
+        inside = sorted((q for q in turned if q is not None), key=lambda q: math.dist(q, seed))
+        if not inside:
             return ()
-        return best
+        # Beside a singularity another branch may be nearer, to which the arm does not get.
+        here = self._distances(seed)
+        for q in inside:
+            there = self._distances(q)
+            pairs = zip(here, there, strict=True)
+            if all(a * b >= 0.0 or max(abs(a), abs(b)) < _SINGULAR for a, b in pairs):
+                return tuple(q)
+        return tuple(inside[0])
 
     # -- checks against the limits -------------------------------------------------------------
 
@@ -635,12 +644,13 @@ class EnvelopeChecker:
         return found
 
     def _passed(self, q: Joints6, ahead: Joints6, place: Point) -> list[Crossing]:
-        """The limits that a sweep through a singularity crosses."""
+        """The limits that a sweep through a singularity, or closely beside one, crosses."""
         if not self._singular:
             return []
-        if all(
-            a * b >= 0.0 for a, b in zip(self._distances(q), self._distances(ahead), strict=True)
-        ):
+        # The tool passes closely beside one while joints swing round, and keeps its branch.
+        swings = self._by_tip and max(map(abs, map(sub, ahead, q))) > _SWING
+        pairs = zip(self._distances(q), self._distances(ahead), strict=True)
+        if not swings and all(a * b >= 0.0 for a, b in pairs):
             return []
         return [
             Crossing(name, "arm", place, -least, "", action)

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from aioduco.errors import Unreachable
+from aioduco.kinematics.forward import singular_values
 from aioduco.models.pose import Pose
 from aioduco.models.rotation import Array, matrix_from_rotvec, rotvec_from_matrix
 
@@ -59,6 +60,8 @@ _TURN = 0.05  # largest turn between two orientations [rad]
 _MOST = 1000  # largest number of steps
 _HALVINGS = 6  # halvings of a step that seems to cross a limit
 _LOOKS = 12  # least number of poses on a path at which the joints are computed, if it has as many
+_FAR = 1.0  # turn of a joint between two of them that may be another one [rad]
+_CLOSEST = 2e-4  # distance of two of them between which none is looked at [share of the path]
 _SAME = 1e-6  # distance up to which two positions count as equal [m]
 _STRAIGHT = 1e-9  # sine of an angle between three points whose circle is larger than any arm
 _CUTS = (0.25, 0.5, 0.75, 1.0)  # shares of a blend radius at which the corner's chords are checked
@@ -145,8 +148,7 @@ def way_of(arm: Arm, name: str, args: Sequence[Any], start: Start) -> Way | None
         first, second = (base @ Pose.of(args[n]).matrix for n in (0, 1))
         poses, count = _arc(here, first, second, int(args[5]), full=name == "move_circle")
 
-    shares = np.linspace(0.0, 1.0, count + 1).tolist()
-    end = _followed(arm, poses(shares) @ back, start.joints)
+    end = _followed(arm, (poses, count), back, start.joints)
     return line_way(poses, count, v, end, r)
 
 
@@ -196,13 +198,29 @@ def line_way(poses: Any, count: int, v: float, end: Config, r: float = 0.0) -> W
     return Way(at(np.linspace(0.0, 1.0, count + 1).tolist()), True, v, end, r, at)
 
 
-def _followed(arm: Arm, flange: Array, q: tuple[float, ...]) -> tuple[float, ...]:
-    """The joints at the end of a path of the flange, or at its last pose that can be reached."""
-    for pose in flange[:: max(1, len(flange) // _LOOKS)].tolist() + flange[-1:].tolist():
+def _followed(arm: Arm, poses: _Poses, back: Array, q: tuple[float, ...]) -> tuple[float, ...]:
+    """The joints at the end of a path of the tip, or at its last pose that can be reached.
+
+    Beside a singularity the nearest configuration for a pose further on may be on another branch,
+    which the arm does not get to. So where the branch changes, or a joint turns far, the poses
+    between are looked at first.
+    """
+    at, count = poses
+    shares = np.linspace(0.0, 1.0, min(_LOOKS, count) + 1)[1:].tolist()
+    here, todo = 0.0, list(zip(shares, at(shares) @ back, strict=True))[::-1]
+    while todo:
+        share, flange = todo[-1]
         try:
-            q = tuple(arm.ikine(np.array(pose), q).tolist())
+            there = arm.ikine(flange, q)
         except Unreachable:
             break
+        before, after = singular_values(arm.geometry, np.array([q, there]))
+        far = (before * after < 0.0).any() or np.abs(there - q).max() > _FAR
+        if far and share - here > _CLOSEST:
+            middle = (here + share) / 2
+            todo.append((middle, at([middle])[0] @ back))
+        else:
+            q, here = tuple(there.tolist()), todo.pop()[0]
     return q
 
 

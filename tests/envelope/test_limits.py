@@ -22,7 +22,7 @@ from aioduco.envelope import (
     Zone,
 )
 from aioduco.envelope.checker import EnvelopeChecker
-from aioduco.envelope.ways import Start, way_of
+from aioduco.envelope.ways import Start, check_way, way_of
 from aioduco.errors import ParameterError
 from aioduco.kinematics import arm
 from aioduco.kinematics.forward import frames
@@ -247,6 +247,49 @@ def test_a_circle_through_points_close_together_is_as_large_as_it_is(function: s
     assert way is not None
     furthest = max(math.dist(each[9:], here[:3]) for each in way.configs)
     assert furthest == pytest.approx(2 * radius, rel=1e-3)
+
+
+def test_a_line_beside_a_singularity_is_followed_on_its_branch() -> None:
+    """From a nearly stretched arm: the other elbow was nearer, and half a metre elsewhere."""
+    start = (1.302992, -1.732852, -0.001245, -1.280740, 0.146806, 1.280101)
+    here = ARM.fkine(start)
+    to = Pose(-0.318419, -0.19721, -0.303645, -2.5663, -0.125788, 2.590429)
+    end = np.array([0.961348, -1.728597, -1.999298, 2.740390, 1.497340, -0.117605])
+    elbow = frames(ARM.geometry, end)[2][:3, 3]
+    args = (to, 0.1, 0.1, 0.0, None, "", "")
+    way = way_of(ARM, "movel", args, Start(start, NONE, NONE))
+    assert way is not None
+    assert math.dist(way.configs[0][9:], here[:3, 3]) < 1e-9
+    np.testing.assert_allclose(way.end, end, atol=1e-3)
+    limit = Zone.sphere(elbow.tolist(), 0.05, bodies=("elbow",))
+    line = checker(limit, tool=NONE, by_tip=True)
+    line.seed = start
+    found, _ = check_way(line, way)
+    assert found is not None
+    assert found.body == "elbow"
+
+
+@for_each("nearest", [0.0, 0.002, 0.02])
+def test_a_line_beside_a_singularity_comes_too_close_to_it(nearest: float) -> None:
+    middle = np.array([0.3, -0.2, 1.6, 0.1, nearest, 0.4])
+    passed, q = ARM.fkine(middle), middle
+    across = np.array([-math.sin(0.3), math.cos(0.3), 0.0])
+    ends = [passed.copy(), passed.copy()]
+    ends[0][:3, 3] -= 0.06 * across
+    ends[1][:3, 3] += 0.06 * across
+    for share in np.linspace(0.0, 1.0, 600):
+        at = passed.copy()
+        at[:3, 3] -= share * 0.06 * across
+        q = ARM.ikine(at, q)
+    args = (Pose.from_matrix(ends[1]), 0.1, 0.1, 0.0, None, "", "")
+    way = way_of(ARM, "movel", args, Start(tuple(q.tolist()), NONE, NONE))
+    assert way is not None
+    line = checker(SingularityMargin(0.05), tool=NONE, by_tip=True)
+    line.seed = tuple(q.tolist())
+    assert min(line.margins(way.configs[0]), key=lambda each: each.margin).margin > 0.0
+    found, _ = check_way(line, way)
+    assert found is not None
+    assert found.body == "arm"
 
 
 def test_margins_leave_out_a_zone_of_bodies_whose_places_are_not_known() -> None:
