@@ -80,6 +80,9 @@ def specification(
         spec.add_exclude(bodyname1="tool", bodyname2="link6")
     for one, other in allowed:
         spec.add_exclude(bodyname1=_body(spec, one), bodyname2=_body(spec, other))
+    # Pairs touch whatever the geoms' bits and margins say: things on one another would collide.
+    for pair in list(spec.pairs):
+        spec.delete(pair)
     # With too little memory MuJoCo leaves contacts out, so that what is nearest may be missing.
     moving = len(spec.body("base").find_all(mujoco.mjtObj.mjOBJ_GEOM))
     spec.memory = _MEMORY + _CONTACT * moving * len(spec.geoms)

@@ -203,6 +203,15 @@ def test_link_1_touches_what_is_called_like_that_on_which_an_arm_stands(name: st
     assert found.distance < -0.05
 
 
+def test_things_that_touch_one_another_as_a_pair_do_not_collide() -> None:
+    around = """<mujoco><worldbody>
+        <geom name="table" type="box" pos="1 1 0.3" size="0.2 0.2 0.02"/>
+        <body pos="1 1 0.339"><freejoint/><geom name="part" size="0.02"/></body>
+        </worldbody><contact><pair geom1="table" geom2="part"/></contact></mujoco>"""
+    found = Scene("gcr5_910", around=around).clearance(READY)
+    assert found == Scene("gcr5_910").clearance(READY)
+
+
 def test_the_scene_of_a_running_simulator_is_as_it_is_now() -> None:
     box = Box(at=(0.4, 0.3, 0.5), size=(0.1, 0.1, 0.1), mass=0.5, name="box")
     table = Box(at=(0.4, 0.3, 0.1), size=(0.3, 0.3, 0.2), name="table")
