@@ -220,8 +220,9 @@ class Scene:
         """
         q = np.array(JOINTS("joints", joints))
         with self._changing():
-            self._attached[name] = self._own.place(q, self._thing(name))
+            place = self._own.place(q, self._thing(name))
             self._loose = None if self._loose is None else self._loose_without(name)
+            self._attached[name] = place
 
     def detach(self, name: str, joints: JointsLike) -> None:
         """Detach a thing from the flange; it stays where it is.
@@ -413,11 +414,12 @@ class Scene:
         """Positions of the loose things, without those of one body."""
         model, loose = self.compiled(), self._loose
         assert loose is not None
-        first = int(model.body(f"scene/{name}").jntadr[0])
-        if first < 0:
+        body = model.body(f"scene/{name}")
+        first, count = int(body.jntadr[0]), int(body.jntnum[0])
+        if not count:
             return loose
-        start = int(model.jnt_qposadr[first])
-        return np.delete(loose, np.arange(start - 6, start + 1))
+        starts = [*model.jnt_qposadr.tolist(), model.nq]
+        return np.delete(loose, np.arange(starts[first] - 6, starts[first + count] - 6))
 
     def _known(self, name: str) -> Thing:
         if name not in self._things:

@@ -230,6 +230,20 @@ def test_the_scene_of_a_running_simulator_is_as_it_is_now() -> None:
     assert not scene.collides(Joints.of(lifted))
 
 
+def test_a_simulated_drawer_can_be_held_and_other_things_stay_where_they_are() -> None:
+    around = """<mujoco><worldbody>
+        <body name="drawer" pos="-1 1 0.5"><joint type="slide"/><geom size="0.1"/></body>
+        <body name="ball" pos="1 1 0.5"><freejoint/><geom size="0.05"/></body>
+        </worldbody></mujoco>"""
+    with Simulator(scene=around) as simulator:
+        scene = Scene.from_simulator(simulator)
+    before = scene.loose
+    scene.attach("drawer", READY)
+    assert scene.attached == ("drawer",)
+    assert scene.loose.tolist() == before[1:].tolist()
+    assert not scene.collides(READY)
+
+
 @for_each("mounting", ["floor", "wall", "ceiling"])
 def test_the_mounting_is_the_simulators(mounting: str) -> None:
     scene = Scene("gcr3_618", mounting=mounting)  # type: ignore[arg-type] # one of the three
