@@ -352,6 +352,16 @@ async def test_a_page_says_at_once_that_it_lost_its_server(chromium: BrowserCont
     assert box == {"x": 0, "y": 0, "width": 1200, "height": 800}
 
 
+async def test_a_page_that_its_server_never_answered_says_that_it_cannot_stop(
+    chromium: BrowserContext,
+) -> None:
+    async with arm_and_panel() as (_, panel):
+        page = await chromium.new_page()
+        await page.route_web_socket("**/socket", lambda _: None)  # open, and silent
+        await page.goto(panel.url)
+        await page.wait_for_selector("#lost:visible", timeout=120_000)
+
+
 async def test_the_picture_shows_the_arm_where_it_is(chromium: BrowserContext) -> None:
     """By viser's page, in a frame of ours and without its controls."""
     async with arm_and_panel() as (_, panel):

@@ -10,7 +10,7 @@ const AXES = ["x", "y", "z", "rx", "ry", "rz"];
 const COLOURS = ["#5aa2e6", "#3fbf7f", "#ffaa28", "#e5383b", "#b98bf0", "#4fd1d9"];
 const $ = (id) => document.getElementById(id);
 
-let socket = null, hello = null, state = null, seldom = {}, heardAt = 0, lostAt = 0, seen = 0;
+let socket = null, hello = null, state = null, seldom = {}, heardAt = performance.now(), lostAt = 0, seen = 0;
 let held = null;           // the button that is held down
 let token = "";
 let aimed = false;         // whether the sliders were touched since they were set to the arm
@@ -51,7 +51,7 @@ function lose() {
 
 setInterval(() => {
   const silent = performance.now() - heardAt;
-  if (heardAt && silent > lostAfter) {
+  if (silent > lostAfter) {
     lose();
     if (silent > 5 * lostAfter && socket.readyState === WebSocket.OPEN) socket.close();
   }
@@ -175,7 +175,7 @@ function fromHere() {
   aimed = false;
   send({ask: "aim", joints: null});
   const joints = space() === "joints", known = state !== null && state.sample !== null && hello !== null;
-  const values = !known ? null : joints ? state.sample.joints : seldom.work_pose;
+  const values = !known ? null : joints ? state.sample.joints : state.sample.moving === false ? seldom.work_pose : null;
   if (!values || values.includes(null)) {
     for (const target of targets) target.number.value = "";
     notice("It is not known where the arm is; the place of the tool not while it moves. Press From here again.");
