@@ -159,12 +159,14 @@ def _speeds(report: PreflightReport) -> str:
         return "<p>The arm did not move.</p>"
     shares = speeds / np.array(arm_of(report.cell["model"]).velocity)
     scale, height = _scale(report), 140
-    step = max(1, len(times) // 600)
+    # of each stretch the largest speed: a short motion of a long program is shown, too
+    starts = np.arange(0, len(times), max(1, len(times) // 600))
+    times, shares = times[starts], np.maximum.reduceat(shares, starts)
     parts = [_label(0, "100 %"), _label(5, "0 %")]
     for joint in range(6):
         points = " ".join(
             f"{scale(float(t)):.1f},{height - 6 - (height - 12) * min(float(s), 1.0):.1f}"
-            for t, s in zip(times[::step], shares[::step, joint], strict=True)
+            for t, s in zip(times, shares[:, joint], strict=True)
         )
         parts.append(
             f'<polyline fill="none" stroke="{_COLOURS[joint]}" stroke-width="1.4" '
