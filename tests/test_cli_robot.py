@@ -27,6 +27,7 @@ from aioduco.cli.addresses import RobotAddress, robot_at
 from aioduco.cli.robots_file import robots_file
 from aioduco.cli.status import readiness
 from aioduco.models.enums import ProgramState, RobotState
+from aioduco.recording.playback import WaypointFile
 from aioduco.sim import Simulator
 from aioduco.testing import eventually
 
@@ -314,6 +315,39 @@ def test_a_move_says_what_turns_and_asks() -> None:
         back = ("move", "joints", "-0.1", "0", "0", "0", "0", "0", "--by", "-v", "2", "-a", "5")
         assert run(*back, *address(sim), "-y").exit_code == 0
         assert sim.joints.j1 == pytest.approx(math.radians(30) - 0.1, abs=1e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("move", "joints", "0", "0", "0", "0", "0", "0.1", "--by", "--host"),
+        ("move", "pose", "0", "0", "-0.01", "0", "0", "0", "--by", "--host"),
+        ("play", "points.toml", "--no-rehearse"),
+    ],
+    ids=lambda words: words[1],
+)
+def test_an_arm_that_was_moved_during_the_question_is_not_moved(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...]
+) -> None:
+    """The command moved it to what was said of another place, by any way there was."""
+    monkeypatch.chdir(tmp_path)
+    file = WaypointFile.new()
+    file.add("one", HOME)
+    file.save("points.toml")
+    with ready_arm(speed=math.inf) as sim:
+
+        def confirm(*_: object, **__: object) -> bool:
+            with aioduco.sync.connect(sim.host, sim.port, heartbeat=None) as robot:
+                robot.motion.movej2((1.0, *HOME[1:]), v=1.0, a=1.0)
+            return True
+
+        monkeypatch.setattr("typer.confirm", confirm)
+        done = run(*words, f"{sim.host}:{sim.port}")
+        assert (done.exit_code, "the arm is elsewhere than" in done.stderr) == (1, True), (
+            done.output
+        )
+        assert sim.joints.almost_equal((1.0, *HOME[1:]), 1e-3)
 
 
 @pytest.mark.slow

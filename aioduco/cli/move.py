@@ -14,7 +14,7 @@ from aioduco.cli.exit_codes import ended_by_errors, fail
 from aioduco.cli.options import WITH_NUMBERS, Json, Yes, refuse_unused
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import SAFE, ask
-from aioduco.cli.sessions import control_session
+from aioduco.cli.sessions import control_session, require_still_at
 from aioduco.cli.status import joints_line, look, pose_line, remedy
 
 if TYPE_CHECKING:
@@ -84,7 +84,12 @@ The joints turn at up to {math.degrees(speed):.0f} °/s. Joint {turns.index(far)
 {math.degrees(far):.0f}°.
 {SAFE}"""
     ask(text, "Move the arm?", yes=yes)
-    carry_out(address, lambda robot: robot.motion.movej2(target, v=speed, a=acceleration), json)
+
+    def go(robot: Robot) -> Outcome:
+        require_still_at(robot, now)
+        return robot.motion.movej2(target, v=speed, a=acceleration)
+
+    carry_out(address, go, json)
 
 
 @move.command(cls=DescribedCommand, context_settings=WITH_NUMBERS)
@@ -150,10 +155,14 @@ to     {pose_line([*target])}
 {way} It is {distance * 1e3:.0f} mm away.
 {SAFE}"""
     ask(text, "Move the arm?", yes=yes)
-    if curved:
-        carry_out(address, lambda robot: robot.motion.movej_pose2(target, v=0.3, a=0.5), json)
-    else:
-        carry_out(address, lambda robot: robot.motion.movel(target, v=speed, a=acceleration), json)
+
+    def go(robot: Robot) -> Outcome:
+        require_still_at(robot, found["joints"])
+        if curved:
+            return robot.motion.movej_pose2(target, v=0.3, a=0.5)
+        return robot.motion.movel(target, v=speed, a=acceleration)
+
+    carry_out(address, go, json)
 
 
 def ready_arm(address: RobotAddress, *, in_work_object: bool = False) -> dict[str, Any]:

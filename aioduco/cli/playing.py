@@ -11,7 +11,7 @@ import aioduco.sync
 from aioduco.cli.exit_codes import fail
 from aioduco.cli.output import say
 from aioduco.cli.questions import SAFE, ask
-from aioduco.cli.sessions import control_session, observing_session
+from aioduco.cli.sessions import control_session, observing_session, require_still_at
 from aioduco.kinematics import arm
 from aioduco.recording.playback import RecordedPath, WaypointFile, check_path
 from aioduco.recording.playback.path_check import check_waypoints, fastest
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from aioduco.cli.addresses import RobotAddress
     from aioduco.envelope import Envelope
+    from aioduco.models.pose import Joints
     from aioduco.sync import Robot
 
 
@@ -88,9 +89,11 @@ class PlayedFile:
                 say(_NOTHING)
                 return
             states = robot.state.get_robot_state()
-            text = f"{self} at {address} ({states}): {self._announced(robot)}\n{SAFE}"
+            here = robot.state.get_actual_joints_position()
+            text = f"{self} at {address} ({states}): {self._announced(here)}\n{SAFE}"
         ask(text, "Move the arm?", yes=yes)
         with control_session(address) as robot:
+            require_still_at(robot, here)
             robot.bring_up()
             robot.envelope = self.envelope
             if self.record is None:
@@ -113,15 +116,14 @@ class PlayedFile:
         count = len(content.waypoints)
         return f"{content.title}, {count} waypoint{'' if count == 1 else 's'}"
 
-    def _announced(self, robot: Robot) -> str:
-        """Announcement of the motion, as text."""
+    def _announced(self, here: Joints) -> str:
+        """Announcement of the motion from where the arm is, as text."""
         content = self.content
         if isinstance(content, RecordedPath):
             first, then = content.start, f"joints turn at up to {fastest(content):.2f} rad/s"
         else:
             first, then = content.waypoints[0].joints, f"{len(content.waypoints)} waypoints"
-        here = np.asarray(robot.state.get_actual_joints_position())
-        far = np.rad2deg(np.abs(first.array - here))
+        far = np.rad2deg(np.abs(first.array - here.array))
         joint = int(far.argmax())
         return f"joint {joint + 1} turns by {far[joint]:.1f}° to the begin, then {then}."
 

@@ -6,7 +6,13 @@ import time
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Final
 
-from aioduco.cli.exit_codes import Terminated, cannot_listen, ended_by_errors, say_error
+from aioduco.cli.exit_codes import (
+    Terminated,
+    cannot_listen,
+    ended_by_errors,
+    fail,
+    say_error,
+)
 from aioduco.cli.output import say
 
 if TYPE_CHECKING:
@@ -14,6 +20,7 @@ if TYPE_CHECKING:
 
     from aioduco.cli.addresses import RobotAddress
     from aioduco.envelope import Envelope
+    from aioduco.models.pose import JointsLike
     from aioduco.sync import Robot
 
 
@@ -21,6 +28,8 @@ if TYPE_CHECKING:
 _LOOK: Final = 0.1
 #: seconds without an answer after which that is said
 _SILENT: Final = 1.0
+#: difference of a joint from which an arm is elsewhere [rad]
+_ELSEWHERE: Final = 0.01
 
 
 @contextmanager
@@ -62,6 +71,18 @@ def control_session(address: RobotAddress, **options: Any) -> Iterator[Robot]:
             if limits is not None:
                 robot.envelope = limits
             yield robot
+
+
+def require_still_at(robot: Robot, joints: JointsLike) -> None:
+    """End the command if the arm is no longer where the question before a motion was about [rad].
+
+    A person may take minutes for the answer, in which another program or a hand moves the arm.
+    """
+    if not robot.state.get_actual_joints_position().almost_equal(joints, _ELSEWHERE):
+        fail(
+            "the arm is elsewhere than when the question was asked: nothing was sent that moves "
+            "it. Give the command again"
+        )
 
 
 @contextmanager
