@@ -17,6 +17,7 @@ from test_cli_robot import HOME, at, ready_arm
 
 import aioduco.sync
 from aioduco import Load, Pose
+from aioduco.cli import payload
 from aioduco.cli.app import app
 from aioduco.models.rotation import matrix_from_rotvec
 from aioduco.recording.playback import WaypointFile
@@ -200,6 +201,26 @@ def test_too_few_poses_by_hand_find_nothing(arm: Simulator, typed: Any) -> None:
     ended = invoke("payload", at(arm), "--yes")
     assert ended.exit_code == 1
     assert "2 poses were read, but 6 or more are needed" in ended.stderr
+
+
+@pytest.mark.slow
+def test_a_pose_at_which_the_arm_moves_is_left_out(
+    arm: Simulator, typed: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    reads, real = iter([True, False]), payload._mean
+
+    def moved(robot: Any, sensor: Any) -> Any:
+        if next(reads):
+            robot.motion.movej2(np.add(HOME, 0.1), v=2.0, a=5.0)
+        return real(robot, sensor)
+
+    monkeypatch.setattr(payload, "_mean", moved)
+    typed([*[lambda: ""] * 4, lambda: "q"])
+    ended = invoke("payload", at(arm), "--yes")
+    assert ended.exit_code == 1
+    assert "pose 1 is left out: the arm moved while it was read" in ended.stderr
+    assert "pose 2 is read" in ended.stderr
+    assert "1 poses were read, but" in ended.stderr
 
 
 def test_the_poses_of_a_payload_may_stand_in_a_cell(tmp_path: Path) -> None:

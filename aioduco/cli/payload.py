@@ -19,7 +19,7 @@ from aioduco.cli.questions import GIVES_WAY, SAFE, ask, typed_line
 from aioduco.cli.sessions import control_session
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from aioduco import Cell
     from aioduco.kinematics import Arm, MeasuredLoad
@@ -34,6 +34,8 @@ if TYPE_CHECKING:
 _READINGS, _EVERY = 50, 0.02
 #: seconds in which an arm that has just stopped comes to rest
 _REST = 0.5
+#: largest difference of a joint over the readings of a pose [rad]
+_AT_REST = 2e-3
 #: speed and acceleration between the poses of a file [rad/s, rad/s²]
 _SPEED, _ACCELERATION = 0.3, 0.5
 
@@ -122,11 +124,8 @@ def payload(
             _check_ways(kept, name, robot.state.get_actual_joints_position(), file)
         robot.bring_up()
         arm = known_arm or _arm(robot)
-        joints, read = [], []
-        for number, q in enumerate(_guided(robot) if file is None else _moved(robot, file), 1):
-            joints.append(q)
-            read.append(_mean(robot, sensor))
-            say(f"pose {number} is read", error=True)
+        gone_to = _guided(robot) if file is None else _moved(robot, file)
+        joints, read = _readings(robot, sensor, gone_to)
         found = _found(robot, sensor, arm, joints, read, set_load, mounting)
         if json:
             print_json({"load": found.load._asdict(), "uncertainty": found.uncertainty})
@@ -228,6 +227,22 @@ def _moved(robot: Robot, file: WaypointFile) -> Iterator[Joints]:
         robot.motion.movej2(waypoint.joints, v=_SPEED, a=_ACCELERATION)
         robot.sleep(_REST)
         yield robot.state.get_actual_joints_position()
+
+
+def _readings(
+    robot: Robot, sensor: Sensor, poses: Iterable[Joints]
+) -> tuple[list[Joints], list[Vector]]:
+    """Joints and readings of the poses; one at which the arm moves is left out."""
+    joints, read = [], []
+    for number, q in enumerate(poses, 1):
+        mean = _mean(robot, sensor)
+        if not robot.state.get_actual_joints_position().almost_equal(q, _AT_REST):
+            say(f"pose {number} is left out: the arm moved while it was read", error=True)
+            continue
+        joints.append(q)
+        read.append(mean)
+        say(f"pose {number} is read", error=True)
+    return joints, read
 
 
 def _mean(robot: Robot, sensor: Sensor) -> Vector:
