@@ -36,19 +36,6 @@ def on_circle(angle: float) -> Array:
     return Pose(x, 0.1, z, 0.3, -0.2, 0.1).matrix
 
 
-@pytest.mark.slow
-@given(POSES, POSES)
-def test_a_line_is_straight_and_turns_at_a_constant_rate(a: Pose, b: Pose) -> None:
-    line = StraightLine.between(a.matrix, b.matrix)
-    if line.length < 1e-3:
-        return
-    s = along(line.length)
-    poses = line.poses(s)
-    for pose, part in zip(poses, s / line.length, strict=True):
-        assert Pose.from_matrix(pose).almost_equal(a.interpolate(b, min(part, 1.0)))
-    np.testing.assert_allclose(poses[-1], b.matrix, atol=1e-9)
-
-
 def test_a_line_between_two_orientations_of_one_point_is_as_long_as_its_angle() -> None:
     a = Pose(0.4, 0.1, 0.3, 0.0, 0.0, 0.0)
     line = StraightLine.between(a.matrix, (a @ Pose(0, 0, 0, 0, 0, 1.2)).matrix)
