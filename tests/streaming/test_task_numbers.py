@@ -120,3 +120,13 @@ def test_a_task_that_goes_on_is_given_up() -> None:
     assert numbers.in_question == (2,)
     assert not numbers.polled(2, TaskState.RUNNING, 5.1)
     assert not numbers.in_question
+
+
+def test_several_tasks_are_in_question_at_once() -> None:
+    numbers = TaskNumbers()
+    for task in (1, 2, 4, 6):
+        numbers.sent(task, 0.0)
+    assert numbers.in_question == (2, 4)
+    assert not numbers.polled(2, TaskState.RUNNING, 0.1)
+    assert numbers.polled(4, TaskState.STOPPED, 0.1)
+    assert not numbers.in_question
