@@ -114,7 +114,7 @@ class CollisionChecker:
             self.loose = positions
         self._qpos: Vector = self._data.qpos[:6]
         arm = {model.body(name).id for name in ("base", *(f"link{i}" for i in range(1, 7)))}
-        moving = np.array([_belongs(model, body, arm) for body in range(model.nbody)])
+        moving = np.array([belongs(model, body, arm) for body in range(model.nbody)])
         still = ~moving[model.geom_bodyid]
         solid = (model.geom_contype | model.geom_conaffinity).astype(bool)
         # Things of the scene are not checked against one another. Link 1 is not checked against
@@ -288,9 +288,10 @@ class CollisionChecker:
         return name.removeprefix("scene/") or "a thing without a name"
 
 
-def _belongs(model: Any, body: int, arm: set[int]) -> bool:
+def belongs(model: Any, body: int, others: set[int]) -> bool:
+    """Whether a body is one of others, or is carried by one."""
     while body:
-        if body in arm:
+        if body in others:
             return True
         body = int(model.body_parentid[body])
     return False

@@ -411,15 +411,26 @@ class Scene:
         return rest
 
     def _loose_without(self, name: str) -> NDArray[np.float64]:
-        """Positions of the loose things, without those of one body."""
+        """Positions of the loose things once the flange holds one: without those of its own joints.
+
+        What moves on the held things, such as a lid, comes first then, as in the compiled model.
+        """
+        from aioduco.planning.collision import belongs  # noqa: PLC0415 - needs an extra
+
         model, loose = self.compiled(), self._loose
         assert loose is not None
-        body = model.body(f"scene/{name}")
-        first, count = int(body.jntadr[0]), int(body.jntnum[0])
-        if not count:
-            return loose
+        flange, own = (model.body(body).id for body in ("flange", f"scene/{name}"))
         starts = [*model.jnt_qposadr.tolist(), model.nq]
-        return np.delete(loose, np.arange(starts[first] - 6, starts[first + count] - 6))
+        held: list[int] = []
+        added: list[int] = []
+        others: list[int] = []
+        for joint in range(6, model.njnt):
+            body = int(model.jnt_bodyid[joint])
+            if body != own:
+                carried = belongs(model, body, {own})
+                part = held if belongs(model, body, {flange}) else added if carried else others
+                part += range(starts[joint] - 6, starts[joint + 1] - 6)
+        return loose[[*held, *added, *others]]
 
     def _known(self, name: str) -> Thing:
         if name not in self._things:

@@ -234,14 +234,19 @@ def test_a_simulated_drawer_can_be_held_and_other_things_stay_where_they_are() -
     around = """<mujoco><worldbody>
         <body name="drawer" pos="-1 1 0.5"><joint type="slide"/><geom size="0.1"/></body>
         <body name="ball" pos="1 1 0.5"><freejoint/><geom size="0.05"/></body>
+        <body name="box" pos="1 -1 0.5"><freejoint/><geom size="0.05"/>
+          <body><joint name="lid"/><geom pos="0.1 0 0" size="0.04"/></body></body>
         </worldbody></mujoco>"""
     with Simulator(scene=around) as simulator:
         scene = Scene.from_simulator(simulator)
-    before = scene.loose
+    ball, lid = scene.loose[1:8].tolist(), scene.loose[15:].tolist()
     scene.attach("drawer", READY)
-    assert scene.attached == ("drawer",)
-    assert scene.loose.tolist() == before[1:].tolist()
-    assert not scene.collides(READY)
+    assert scene.loose[:7].tolist() == ball
+    scene.attach("box", READY)
+    assert scene.attached == ("drawer", "box")
+    assert scene.loose.tolist() == [*lid, *ball]
+    model = scene.compiled()  # the lid first, then the ball
+    assert np.diff([*model.jnt_qposadr[6:], model.nq]).tolist() == [1, 7]
 
 
 @for_each("mounting", ["floor", "wall", "ceiling"])
