@@ -368,7 +368,7 @@ async def test_a_stop_for_which_there_is_no_memory_is_tried_again(
 @pytest.mark.parametrize(
     "place",
     [
-        (stop_coordinator, "_may_move"),  # when the answer is judged
+        (stop_coordinator, "may_move"),  # when the answer is judged
         (dispatcher, "Task"),  # when it becomes a task
         (TaskFollower, "follow"),
     ],

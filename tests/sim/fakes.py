@@ -71,6 +71,7 @@ class FakeMover:
 
     #: until the running motion is at its end: not known
     time_left = 0.0
+    cycle = CYCLE
 
     def __init__(self, q: Vector) -> None:
         FakeMover.latest = self

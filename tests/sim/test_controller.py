@@ -7,9 +7,10 @@ import pytest
 from for_each import for_each
 
 from aioduco.models.enums import OperationMode, SafetyState, TaskState
+from aioduco.sim.cabinet.axis_schemes import Axis, SimulatedExternalAxes
 from aioduco.sim.controller.motion_queue import CAPACITY
 
-from .fakes import Bench, FakeMover, impossible, leg
+from .fakes import CYCLE, Bench, FakeMover, impossible, leg
 
 
 @pytest.fixture
@@ -540,3 +541,16 @@ def test_a_lost_heartbeat_stops_everything_and_the_next_program_may_move(ready: 
     assert len(ready.controller.view().errors) == 1
     assert ready.state == [6, 0, 5, 1]
     assert ready.ended(ready.controller.move("movej2", leg(1.0))) == 4
+
+
+def test_an_axis_that_begins_as_idle_time_ends_has_the_speed_of_its_cycle(ready: Bench) -> None:
+    """Where nothing happens, several cycles pass at once; a command comes in the last of them."""
+    axes = SimulatedExternalAxes({"rail": [Axis(0.0, 1.0, 1.0, 2.0)]})
+    ready.controller.external_axes = axes
+    ready.tick()
+    ready.cycle += 3
+    assert FakeMover.latest is not None
+    FakeMover.latest.axes = {0: 1e-6}
+    ready.tick()
+    (state,) = axes.states()
+    assert state.speed == pytest.approx(1e-6 / CYCLE)

@@ -613,7 +613,6 @@ async def test_the_largest_step_of_two_tasks_is_from_what_was_sent_last(
     async with opened as stream:
 
         async def send_on() -> None:
-            await stream.send(HERE)
             if whole:
                 await stream.play([near(0.009 - 1e-6 * n) for n in range(400)])
             else:

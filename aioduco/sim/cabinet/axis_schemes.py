@@ -102,7 +102,6 @@ class SimulatedExternalAxes:
         self._axes: dict[int, Axis] = {}
         #: by axis, its speed and acceleration while it is commanded; replaced, not changed
         self._rates: dict[int | None, tuple[float, float]] = {}
-        self._time = 0.0
         self._schemes: dict[int, Scheme] = {}  # replaced, not changed: read without a lock
         try:
             for name, axes in (schemes or {}).items():
@@ -128,20 +127,19 @@ class SimulatedExternalAxes:
             scheme.name, scheme.active, position, *self._rates.get(first, (0.0, 0.0))
         )
 
-    def follow(self, positions: Mapping[int, float], time: float) -> None:
+    def follow(self, positions: Mapping[int, float], cycle: float) -> None:
         """Take the axes to positions that a motion commands; the others stand.
 
         Args:
             positions: by axis [rad or m].
-            time: of the controller [s]. A new run of it begins at 0 again.
+            cycle: time in which a motion takes them there [s]. Idle time before it does not count.
         """
-        elapsed, self._time = time - self._time, time
         if not positions and not self._rates:
             return
         rates: dict[int | None, tuple[float, float]] = {}
-        for number, position in positions.items() if elapsed > 0.0 else ():
-            speed = (position - self.positions[number]) / elapsed
-            rates[number] = speed, (speed - self._rates.get(number, (0.0, 0.0))[0]) / elapsed
+        for number, position in positions.items():
+            speed = (position - self.positions[number]) / cycle
+            rates[number] = speed, (speed - self._rates.get(number, (0.0, 0.0))[0]) / cycle
         self.positions.update(positions)
         self._rates = rates
 

@@ -541,7 +541,7 @@ class Controller:
             self._power_went(before, power.state)
         if power.state is not _ENABLED:
             force.cut()
-            self.external_axes.follow({}, time)
+            self.external_axes.follow({}, motion.mover.cycle)
             self.collisions.reset()
             return DriveCommand(JointSetPoint(sensed.q, _ZEROS, _ZEROS), True)
         joint = self.collisions.update(time, sensed.external)
@@ -549,7 +549,7 @@ class Controller:
             self.collide(joint, sensed.touched())
         setpoint = motion.tick(time, sensed.q, sensed.qd, at_rest=self._at_rest)
         if motion.blending or self.external_axes.positions:
-            self._accompany(time)
+            self._accompany()
         alarm = ""
         if control.active:
             setpoint = force.tick(setpoint)
@@ -564,11 +564,12 @@ class Controller:
             return DriveCommand(JointSetPoint(sensed.q, _ZEROS, _ZEROS), True)
         return DriveCommand(setpoint, False)
 
-    def _accompany(self, time: float) -> None:
+    def _accompany(self) -> None:
         """What goes on beside the motions: calls that are answered ahead, and external axes."""
         if self.motion.blending:
             self.motion.read_ahead(*self.read_ahead)
-        self.external_axes.follow(self.motion.mover.axes, time)
+        mover = self.motion.mover
+        self.external_axes.follow(mover.axes, mover.cycle)
 
     def _change_power(self, time: float) -> None:
         safe, standing = self._safety.safe, not self.moving

@@ -168,7 +168,7 @@ class Mover:
     ) -> None:
         self._arm = arm
         self._corners = corners
-        self._cycle = cycle
+        self.cycle: float = cycle
         self._settling = settling
         self._stood = 0.0  # time for which the active motion has stood at its end
         self._speed = 1.0
@@ -343,7 +343,7 @@ class Mover:
         if self._law is None:
             self._finish()
         elif self._tracking or self._at_rest_by_law():
-            self._track(self._time + self._cycle * self._speed)
+            self._track(self._time + self.cycle * self._speed)
         else:
             self._ramp(self._law)
 
@@ -397,11 +397,11 @@ class Mover:
         assert limits is not None
         gentle, hard = limits.at(self._s, self._v)
         limit = hard if self._stopping else gentle
-        if down and self._v <= limit * self._cycle:
+        if down and self._v <= limit * self.cycle:
             v, s = 0.0, self._s + 0.5 * self._v**2 / limit
         else:
-            v = self._v + (-limit if down else limit) * self._cycle
-            s = self._s + 0.5 * (self._v + v) * self._cycle
+            v = self._v + (-limit if down else limit) * self.cycle
+            s = self._s + 0.5 * (self._v + v) * self.cycle
         if s >= law.end:
             end, beyond = law.end_speed, s - law.end
             if self._settles(law):
@@ -417,7 +417,7 @@ class Mover:
             self._time, self._tracking = law.time(s), True
         # If the law decelerates faster than the motion's own limit, the arm follows the law.
         v = min(v, highest) if braking else v
-        self._set(s, v, (v - self._v) / self._cycle if v > 0.0 else 0.0)
+        self._set(s, v, (v - self._v) / self.cycle if v > 0.0 else 0.0)
         if v == 0.0 and self._stopping:
             self._drop()
 
@@ -436,7 +436,7 @@ class Mover:
         """Stand for a cycle at the end of the active motion if it still settles; return whether."""
         if law.end_speed > 0.0 or self._stopping or self._stood >= self._settling() - 1e-9:
             return False
-        self._stood += self._cycle
+        self._stood += self.cycle
         self._time, self._tracking = law.duration, True
         self._set(law.end, 0.0, 0.0)
         return True
@@ -468,7 +468,7 @@ class Mover:
         assert path is not None
         self._s, self._v = s, v
         self._path_piece = path.piece(s, self._path_piece)
-        self._elapsed += self._cycle
+        self._elapsed += self.cycle
         state = path.state(self._path_piece, s, v, a)
         self.setpoint = JointSetPoint(state[0], state[1], state[2])
         if axes is not None and entry.segment.axes is not None:
