@@ -282,7 +282,8 @@ class Channel(Carrier):
             return False
         stream = self._stream
         if stream is not None:
-            if stream.silent and self.life.begin():
+            # a batch only reads, and is sent again if the connection is lost
+            if (call.further or stream.silent) and self.life.begin():
                 return True
             self._drop("the controller closed the connection, or sent what nobody asked for")
         self._open_for(call)

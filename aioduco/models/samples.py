@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import itertools
+import math
 import time
+from functools import partial
 from operator import attrgetter
-from typing import TYPE_CHECKING, Final, TypeVar
+from typing import TYPE_CHECKING, Final
 
 from aioduco._wire import newer, rpc
-from aioduco.errors import ParameterError, StaleState
+from aioduco.errors import StaleState
 from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.state import (
@@ -40,7 +42,19 @@ _ARRAYS: Final = {
 }
 
 
-#: of a status and of an I/O status, all at once: the feed reads them often
+#: of a status: its joints, its poses and its other values, and what the wire calls them
+_JOINTS: Final = {"joints": "jointActualPosition", "expected_joints": "jointExpectPosition"}
+_POSES: Final = {"pose": "cartActualPosition", "expected_pose": "cartExpectPosition"}
+_OTHERS: Final = {
+    "collision": "collision",
+    "collision_axis": "collisionAxis",
+    "emergency_stop": "emcStopSignal",
+    "error": "robotError",
+}
+#: what their numbers are, for errors
+_OF_JOINTS, _OF_POSES = "joint angles", "numbers of a pose"
+
+#: of a status and of an I/O status, all at once
 _status_lists: Final = attrgetter(*_ARRAYS.values())
 _io_lists: Final = attrgetter(*rpc.IOStatus.__match_args__)
 
@@ -85,23 +99,11 @@ class Samples:
             StaleState: positions are missing: the controller is still starting.
         """
         at = time.monotonic() if at is None else at
-        arrays = vectors(*_status_lists(wire))
-        return RobotStatus(
-            sequence=next(self._status),
-            received_at=at,
-            joints=joints(wire.jointActualPosition),
-            pose=pose(wire.cartActualPosition),
-            expected_joints=joints(wire.jointExpectPosition),
-            expected_pose=pose(wire.cartExpectPosition),
-            enabled=tuple(wire.slaveReady),
-            collision=wire.collision,
-            collision_axis=wire.collisionAxis,
-            emergency_stop=wire.emcStopSignal,
-            state=RobotState(wire.robotState),
-            error=wire.robotError,
-            torques=_torques(wire) if isinstance(wire, newer.RobotStatus) else None,
-            **dict(zip(_ARRAYS, arrays, strict=True)),
-        )
+        for name in _JOINTS.values():
+            _six(getattr(wire, name), _OF_JOINTS)
+        for name in _POSES.values():
+            _six(getattr(wire, name), _OF_POSES)
+        return RobotStatus.of(next(self._status), at, partial(_status_values, wire))
 
     def forces(
         self, tool: Sequence[float], external: Sequence[float], at: float | None = None
@@ -119,7 +121,32 @@ class Samples:
             at: when its answer arrived.
         """
         at = time.monotonic() if at is None else at
-        return IOStatus.of(next(self._io), at, lambda: map(tuple, _io_lists(read())))
+        return IOStatus.of(next(self._io), at, lambda _: _io_values(read()))
+
+
+def _io_values(wire: rpc.IOStatus) -> dict[str, object]:
+    """All values of an I/O status."""
+    return dict(zip(IOStatus.__match_args__[2:], map(tuple, _io_lists(wire)), strict=True))
+
+
+def _status_values(wire: rpc.RobotStatus, name: str) -> dict[str, object]:
+    """One value of a status; of its arrays all, since the first one costs the most."""
+    if name in _ARRAYS:
+        return dict(zip(_ARRAYS, vectors(*_status_lists(wire)), strict=True))
+    value: object
+    if name in _JOINTS:
+        value = joints(getattr(wire, _JOINTS[name]))
+    elif name in _POSES:
+        value = pose(getattr(wire, _POSES[name]))
+    elif name == "enabled":
+        value = tuple(wire.slaveReady)
+    elif name == "state":
+        value = RobotState(wire.robotState)
+    elif name == "torques":
+        value = _torques(wire) if isinstance(wire, newer.RobotStatus) else None
+    else:
+        value = getattr(wire, _OTHERS[name])
+    return {name: value}
 
 
 def _torques(wire: newer.RobotStatus) -> JointTorques:
@@ -140,7 +167,7 @@ def joints(wire: Sequence[float]) -> Joints:
     Raises:
         StaleState: there are fewer than six, or some are not finite: the controller is starting.
     """
-    return _made(Joints, some(wire, 6, "joint angles"))
+    return Joints(*_six(wire, _OF_JOINTS))
 
 
 def pose(wire: Sequence[float]) -> Pose:
@@ -150,20 +177,17 @@ def pose(wire: Sequence[float]) -> Pose:
         StaleState: there are fewer than six numbers, or some are not finite: the controller is
             still starting.
     """
-    return _made(Pose, some(wire, 6, "numbers of a pose"))
+    return Pose(*_six(wire, _OF_POSES))
 
 
-T = TypeVar("T", Joints, Pose)
-
-
-def _made(kind: type[T], six: Sequence[float]) -> T:
-    try:
-        return kind(*six)
-    except ParameterError as exc:
+def _six(wire: Sequence[float], what: str) -> Sequence[float]:
+    six = some(wire, 6, what)
+    if not all(map(math.isfinite, six)):
         raise StaleState(
             f"the controller sent {list(six)}, which is not finite: it is still starting, or at "
             "fault; ask again"
-        ) from exc
+        )
+    return six
 
 
 def some(wire: Sequence[float], count: int, what: str) -> Sequence[float]:

@@ -13,7 +13,7 @@ from aioduco.models.enums import SafetyState
 from aioduco.models.numpy_on_use import np
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -109,6 +109,49 @@ class RobotStates(Sample):
         )
 
 
+class _Late(Sample):
+    """A sample whose values are made when they are used: a few of many are."""
+
+    __slots__ = ("_make",)
+
+    #: makes the value of a slot, and others with it if that costs no more; None once all are there
+    _make: Callable[[str], Mapping[str, object]] | None
+
+    @classmethod
+    def of(
+        cls, sequence: int, received_at: float, make: Callable[[str], Mapping[str, object]]
+    ) -> Self:
+        """Make a sample.
+
+        Args:
+            sequence: its number.
+            received_at: when it was received [s of `time.monotonic`].
+            make: makes the value with this name, or that and others; it cannot fail.
+        """
+        made = object.__new__(cls)
+        object.__setattr__(made, "_make", make)
+        object.__setattr__(made, "sequence", sequence)
+        object.__setattr__(made, "received_at", received_at)
+        made.__post_init__()
+        return made
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name):
+            """Make a value; only called for what is not there."""
+            names = type(self).__match_args__[2:]
+            if name in names and self._make is not None:
+                made = self._make(name)
+                for each, value in made.items():
+                    object.__setattr__(self, each, value)
+                if len(made) == len(names):
+                    object.__setattr__(self, "_make", None)
+            return object.__getattribute__(self, name)
+
+    def _content(self) -> dict[str, object]:
+        return {name: getattr(self, name) for name in type(self).__match_args__}
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class JointTorques:
     """What controllers of manual 4.3 add to getRobotStatus. The manual prints no units.
@@ -131,7 +174,7 @@ class JointTorques:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class RobotStatus(Sample):
+class RobotStatus(_Late):
     """Position and motion of the arm (manual 1.3.7, getRobotStatus).
 
     Arrays are read-only, of shape (6,); a value that the controller did not send is NaN.
@@ -200,45 +243,6 @@ class ForceStatus(Sample):
 
     tool: Vector
     external_torques: Vector
-
-
-class _Late(Sample):
-    """A sample whose values are made when the first of them is used: a few of many are."""
-
-    __slots__ = ("_values",)
-
-    #: makes the values of all slots but those of `Sample`; None once they are there
-    _values: Callable[[], Iterable[object]] | None
-
-    @classmethod
-    def of(cls, sequence: int, received_at: float, values: Callable[[], Iterable[object]]) -> Self:
-        """Make a sample.
-
-        Args:
-            sequence: its number.
-            received_at: when it was received [s of `time.monotonic`].
-            values: makes its other values, in their order; it cannot fail.
-        """
-        made = object.__new__(cls)
-        object.__setattr__(made, "_values", values)
-        object.__setattr__(made, "sequence", sequence)
-        object.__setattr__(made, "received_at", received_at)
-        made.__post_init__()
-        return made
-
-    if not TYPE_CHECKING:
-
-        def __getattr__(self, name):
-            """Make the values; only called for what is not there."""
-            names = type(self).__match_args__[2:]
-            if name in names and self._values is not None:
-                for each, value in zip(names, self._values(), strict=True):
-                    object.__setattr__(self, each, value)
-                object.__setattr__(self, "_values", None)
-            return object.__getattribute__(self, name)
-
-    def _content(self) -> dict[str, object]:
-        return {name: getattr(self, name) for name in type(self).__match_args__}
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -46,7 +46,7 @@ if TYPE_CHECKING:
 
 
 #: time between two moments of `on_grid` [s]
-GRID = 0.002
+GRID = 0.01
 #: seconds after which a coroutine that is to end, and has not, is cancelled again
 _CANCEL_AGAIN = 5.0
 #: seconds by which the event loop may be late between two looks; more counts as a standstill of it
@@ -89,7 +89,7 @@ class Ticker:
         """Wait for the next cycle, or not at all if it is late. Missed cycles are skipped."""
         now = time.monotonic()
         self.due = max(self.due + self.period, now)
-        await anyio.sleep(self.due - now)
+        await asyncio.sleep(self.due - now)
 
     def postpone(self, seconds: float) -> None:
         """Delay the next cycle until a period after `seconds` from now, or later."""

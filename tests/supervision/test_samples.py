@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
+import pickle
 import time
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -14,6 +17,9 @@ from aioduco.errors import StaleState
 from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState
 from aioduco.models.samples import Samples
 from aioduco.models.state import vector
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 SIX = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
 
@@ -66,6 +72,14 @@ def test_status_is_frozen_and_what_was_not_sent_is_not_a_number() -> None:
         sample.joint_speeds[0] = 1.0
     with pytest.raises(dataclasses.FrozenInstanceError):
         sample.error = 2  # type: ignore[misc]  # that it cannot be set is the point
+
+
+@for_each("way", [copy.copy, copy.deepcopy, lambda sample: pickle.loads(pickle.dumps(sample))])
+def test_a_status_is_copied_whole_before_its_values_are_used(way: Callable[[Any], Any]) -> None:
+    samples = Samples()
+    copied, used = way(samples.status(status())), samples.status(status())
+    for each in dataclasses.fields(used)[2:]:
+        np.testing.assert_array_equal(getattr(copied, each.name), getattr(used, each.name))
 
 
 @for_each("field", ["jointActualPosition", "cartExpectPosition"])
