@@ -38,14 +38,15 @@ def percentile(values: Sequence[float] | NDArray[np.float64], percent: float) ->
 
 
 def spread(seconds: Iterable[float], count: str = "") -> dict[str, float]:
-    """p50, p99, p99.9 and max in microseconds, of durations in seconds.
+    """p50, p99 of a hundred or more, p99.9 of a thousand or more, and max, in microseconds.
 
     Args:
         seconds: the durations.
         count: the name under which their number is given; empty for none.
     """
     values = [float(each) * 1e6 for each in seconds]
-    figures = {f"p{each:g}_us": round(percentile(values, each), 1) for each in (50, 99, 99.9)}
+    told = (each for each, least in ((50, 1), (99, 100), (99.9, 1000)) if len(values) >= least)
+    figures = {f"p{each:g}_us": round(percentile(values, each), 1) for each in told}
     figures["max_us"] = round(max(values), 1)
     return figures | ({count: len(values)} if count else {})
 

@@ -148,9 +148,6 @@ def served(count: int, guard: GuardKind | None, seconds: float, stops: int) -> d
         return anyio.run(measure, server.ports, guard, seconds, stops)
 
 
-# -- two gateways -----------------------------------------------------------------------------
-
-
 def files(folder: Path, ports: list[int]) -> list[Path]:
     """The file of each gateway: the second one connects to the first. A stop is proven by keys."""
     keys = folder / "keys.toml"
@@ -219,9 +216,9 @@ def main() -> None:
     if options.gateways:
         gateways(options)
         return
-    counts, seconds = (((8, 20),), 3.0) if options.quick else (((32, 50), (100, 10)), 12.0)
+    counts, stops, seconds = ((8,), 20, 3.0) if options.quick else ((32, 100), 100, 12.0)
     fleets: dict[str, dict[str, Any]] = {}
-    for count, stops in counts:
+    for count in counts:
         for name, guard in GUARDS.items():
             # Each in a program of its own, as one would be: nothing of another one is left in it.
             with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as program:
