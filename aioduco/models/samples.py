@@ -42,17 +42,15 @@ _ARRAYS: Final = {
 }
 
 
-#: of a status: its joints, its poses and its other values, and what the wire calls them
-_JOINTS: Final = {"joints": "jointActualPosition", "expected_joints": "jointExpectPosition"}
-_POSES: Final = {"pose": "cartActualPosition", "expected_pose": "cartExpectPosition"}
-_OTHERS: Final = {
-    "collision": "collision",
-    "collision_axis": "collisionAxis",
-    "emergency_stop": "emcStopSignal",
-    "error": "robotError",
-}
-#: what their numbers are, for errors
+#: what the numbers of joints and poses are, for errors
 _OF_JOINTS, _OF_POSES = "joint angles", "numbers of a pose"
+#: joints and poses of a status: their class, what their numbers are, what the wire calls them
+_SIXES: Final[dict[str, tuple[type[Joints | Pose], str, str]]] = {
+    "joints": (Joints, _OF_JOINTS, "jointActualPosition"),
+    "pose": (Pose, _OF_POSES, "cartActualPosition"),
+    "expected_joints": (Joints, _OF_JOINTS, "jointExpectPosition"),
+    "expected_pose": (Pose, _OF_POSES, "cartExpectPosition"),
+}
 
 #: of a status and of an I/O status, all at once
 _status_lists: Final = attrgetter(*_ARRAYS.values())
@@ -99,10 +97,8 @@ class Samples:
             StaleState: positions are missing: the controller is still starting.
         """
         at = time.monotonic() if at is None else at
-        for name in _JOINTS.values():
-            _six(getattr(wire, name), _OF_JOINTS)
-        for name in _POSES.values():
-            _six(getattr(wire, name), _OF_POSES)
+        for _, what, name in _SIXES.values():
+            _six(getattr(wire, name), what)
         return RobotStatus.of(next(self._status), at, partial(_status_values, wire))
 
     def forces(
@@ -130,23 +126,21 @@ def _io_values(wire: rpc.IOStatus) -> dict[str, object]:
 
 
 def _status_values(wire: rpc.RobotStatus, name: str) -> dict[str, object]:
-    """One value of a status; of its arrays all, since the first one costs the most."""
+    """One value of a status; of its arrays all, and of its other values all: they cost little."""
+    if name in _SIXES:
+        kind, _, wired = _SIXES[name]
+        return {name: kind(*getattr(wire, wired)[:6])}
     if name in _ARRAYS:
         return dict(zip(_ARRAYS, vectors(*_status_lists(wire)), strict=True))
-    value: object
-    if name in _JOINTS:
-        value = joints(getattr(wire, _JOINTS[name]))
-    elif name in _POSES:
-        value = pose(getattr(wire, _POSES[name]))
-    elif name == "enabled":
-        value = tuple(wire.slaveReady)
-    elif name == "state":
-        value = RobotState(wire.robotState)
-    elif name == "torques":
-        value = _torques(wire) if isinstance(wire, newer.RobotStatus) else None
-    else:
-        value = getattr(wire, _OTHERS[name])
-    return {name: value}
+    return {
+        "enabled": tuple(wire.slaveReady),
+        "collision": wire.collision,
+        "collision_axis": wire.collisionAxis,
+        "emergency_stop": wire.emcStopSignal,
+        "state": RobotState(wire.robotState),
+        "error": wire.robotError,
+        "torques": _torques(wire) if isinstance(wire, newer.RobotStatus) else None,
+    }
 
 
 def _torques(wire: newer.RobotStatus) -> JointTorques:
