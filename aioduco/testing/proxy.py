@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from anyio.abc import TaskGroup, TaskStatus
 
 _HOST = "127.0.0.1"
+#: seconds in which no client is accepted after descriptors or memory ran out
+_REST = 0.1
 
 
 class FaultProxy(Script):
@@ -205,8 +207,11 @@ class FaultProxy(Script):
             await anyio.wait_readable(listener)
             try:
                 client, _ = listener.accept()
-            except OSError:
+            except ConnectionAbortedError:
                 continue  # the client closed it before it was accepted
+            except OSError:
+                await anyio.sleep(_REST)  # no descriptor: the client waits
+                continue
             relay = Relay(
                 AwaitedSocket(client),
                 self._upstream,

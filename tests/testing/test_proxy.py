@@ -457,6 +457,29 @@ def test_a_proxy_that_cannot_start_leaves_nothing(monkeypatch: pytest.MonkeyPatc
             FaultProxy("127.0.0.1", 1).__enter__()
 
 
+def test_without_descriptors_a_client_waits_and_the_proxy_does_not_spin(
+    proxy: FaultProxy, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    accept, sleep = socket.socket.accept, anyio.sleep
+    rests: list[float] = []
+
+    def exhausted(sock: socket.socket) -> Any:
+        if len(rests) < 2:
+            raise OSError(errno.EMFILE, "no descriptor left")
+        return accept(sock)
+
+    async def rest(seconds: float) -> None:
+        rests.append(seconds)
+        await sleep(0)
+
+    monkeypatch.setattr(socket.socket, "accept", exhausted)
+    monkeypatch.setattr(anyio, "sleep", rest)
+    with connected(proxy) as client:
+        client.sendall(call().encode())
+        assert next(replies(client)).name == "read_word_reg"
+    assert rests == [0.1, 0.1]
+
+
 def test_a_fault_of_a_function_that_no_controller_has_is_refused(proxy: FaultProxy) -> None:
     with pytest.raises(ParameterError, match=r"method is 'movej3', .*did you mean 'movej'"):
         proxy.on("movej3", DropReply())
