@@ -19,6 +19,7 @@ from aioduco.models.ranges import JOINTS
 from aioduco.models.rules import Number
 from aioduco.planning.clearance import FURTHEST, TOUCHING, Clearance
 from aioduco.planning.problem import WorkerScene
+from aioduco.planning.shapes import Ground
 from aioduco.sim.scene import MountingLike, SceneLike, Thing, mjcf_of, mounting_of
 
 if TYPE_CHECKING:
@@ -215,11 +216,13 @@ class Scene:
             joints: configuration of the arm when it grips the thing [rad].
 
         Raises:
-            SceneError: there is no thing of this name, or it is a part of the arm.
+            SceneError: there is no thing of this name, it is a part of the arm, or a `Ground`.
             ParameterError: the configuration is not six joint angles, or out of range.
         """
         q = np.array(JOINTS("joints", joints))
         with self._changing():
+            if isinstance(self._things.get(name), Ground):
+                raise SceneError(f"{name!r} is a plane without an end: no flange can hold it")
             place = self._own.place(q, self._thing(name))
             self._loose = None if self._loose is None else self._loose_without(name)
             self._attached[name] = place

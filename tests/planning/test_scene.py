@@ -149,6 +149,13 @@ def test_no_thing_is_called_like_a_part_of_the_arm_and_no_part_is_held(name: str
     assert not scene.attached
 
 
+def test_no_flange_holds_a_plane_without_an_end() -> None:
+    scene = Scene("gcr5_910", [Ground(at=(0.0, 0.0, -0.5), name="table")])
+    with pytest.raises(SceneError, match="plane without an end"):
+        scene.attach("table", READY)
+    assert scene.clearance(READY)
+
+
 def test_what_is_held_moves_with_the_arm_and_stays_where_it_is_let_go() -> None:
     part = Box(at=(0.45, 0.1, 0.35), size=(0.04, 0.04, 0.04), name="part")
     scene = Scene("gcr5_910", [part], tool=[Rod(length=0.05)])
