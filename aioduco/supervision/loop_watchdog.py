@@ -81,10 +81,12 @@ class Liveness:
             due: when this keep-alive was due [s of `time.monotonic`].
             counts: whether it is a keep-alive for the heartbeat.
         """
-        self.ran = time.monotonic()
+        now = time.monotonic()
+        # the first one is due before the robot was opened: `on_grid`
+        self.longest_stall = max(self.longest_stall, now - max(due, self.ran))
+        self.ran = now
         if counts:
             self.stamp = boot_time()
-        self.longest_stall = max(self.longest_stall, self.ran - due)
         self._pass_on()
 
     def will_move(self, name: str) -> None:

@@ -155,6 +155,12 @@ class Line(Connection):
         return 0
 
 
+def test_a_keep_alive_that_was_due_before_the_robot_was_opened_is_not_late() -> None:
+    life = Liveness()
+    life.touch(life.ran - 60.0)
+    assert life.longest_stall < 60.0
+
+
 def test_a_hung_loop_is_reported_before_the_arm_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
     """A program that sees its arm stand would otherwise move it, and not be told why it stood."""
     noted: list[object] = []
