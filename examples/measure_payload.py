@@ -24,6 +24,7 @@ TURNS = [
 async def main(host: str, port: int) -> None:
     async with aioduco.connect(host, port) as robot:
         await robot.bring_up()
+        told = await robot.version.get_robot_type()
         joints, torques = [], []
         for turn in TURNS:
             pose = Joints.deg(*np.add(HOME, turn))
@@ -33,7 +34,8 @@ async def main(host: str, port: int) -> None:
             read = [await robot.state.get_ext_torque() for _ in range(20)]
             torques.append(np.mean(read, axis=0))
         known = await robot.frames.get_tool_load()
-        found = identify_load_by_torques(arm("gcr5_910"), joints, torques, known=known)
+        kind = arm(f"{told.series}_{told.model}")
+        found = identify_load_by_torques(kind, joints, torques, known=known)
         mass, centre = found.uncertainty
         print(f"{found.load} within {mass:.3f} kg and {centre * 1e3:.1f} mm")
 

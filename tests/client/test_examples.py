@@ -71,8 +71,8 @@ def test_on_a_given_address(name: str) -> None:
 
 
 @pytest.mark.slow
-def test_a_load_is_measured() -> None:
-    with Simulator(speed=20.0) as sim:
+def test_a_load_is_measured_by_the_arm_that_the_controller_reports() -> None:
+    with Simulator("gcr10_1300", speed=20.0) as sim:
         sim.load(1.5, (0.01, 0.02, 0.1))
         said = run(str(EXAMPLES / "measure_payload.py"), sim.host, str(sim.port))
     found = [float(number) for number in re.findall(r"=([-\d.e]+)", said)]
