@@ -25,7 +25,7 @@ from aioduco.models.samples import joints as joints_of
 from aioduco.models.samples import pose as pose_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from aioduco._wire.rpc import AsyncRpc
     from aioduco.envelope.ways import Way
@@ -48,8 +48,8 @@ _SLOWEST = {
     "movej_pose": 0.01,
 }
 _SLOWEST_LINE = 0.01
-#: distance of the flange from where an envelope's arm has it, from which it is another arm [m]: the
-#: lengths of an arm differ from those of its model by less
+#: distance of the flange from where an arm has it, from which it is another arm [m]: the lengths of
+#: an arm differ from those of its model by less
 _OTHER_ARM = 0.03
 #: motions of external axes alone
 _NOT_THE_ARM = ("move_eaxis", "move_jog_eaxis")
@@ -82,6 +82,26 @@ class _Checked:
     servo: str = ""
     frames: _Frames | None = None
     a: float = math.inf
+
+
+async def other_arm(rpc: AsyncRpc, name: str, fkine: Callable[..., Any]) -> str:
+    """Why an arm is not the one that is there, by the place of its flange; empty if it may be.
+
+    Args:
+        rpc: the functions of a controller whose arm stands.
+        name: name of the arm.
+        fkine: its forward kinematics.
+    """
+    try:
+        flange = pose_of(await rpc.get_flange_pose())
+    except ControllerError:
+        return ""  # this controller does not report it
+    joints = joints_of(await rpc.get_actual_joints_position())
+    away = math.dist(fkine(joints)[:3, 3], list(flange)[:3])
+    if away <= _OTHER_ARM:
+        return ""
+    where = f"{away:.2g} m from where the controller has it"
+    return f"at its joints, the flange of the {name} would be {where}"
 
 
 class EnvelopeKeeper:
@@ -412,19 +432,9 @@ class EnvelopeKeeper:
         self._watch.require_samples(name)
         if envelope is self._fitting or self._live:
             return
-        try:
-            flange = pose_of(await self._rpc.get_flange_pose())
-        except ControllerError:
-            return  # this controller does not report it
-        here = envelope.arm.fkine(await self._joints())[:3, 3]
-        away = math.dist(here, list(flange)[:3])
-        if away > _OTHER_ARM:
-            raise ParameterError(
-                "robot.envelope",
-                envelope,
-                f"one of the arm that is there: at its joints, the flange of the "
-                f"{envelope.arm.name} would be {away:.2g} m from where the controller has it",
-            )
+        if away := await other_arm(self._rpc, envelope.arm.name, envelope.arm.fkine):
+            expected = f"one of the arm that is there: {away}"
+            raise ParameterError("robot.envelope", envelope, expected)
         self._fitting = envelope
 
     async def _joints(self) -> tuple[float, ...]:

@@ -393,11 +393,12 @@ class Motion(_Section):
             How the plan was followed; None for blended motions.
 
         Raises:
+            ParameterError: an argument is not allowed, or the plan is for another arm: the flange
+                is not where that one has it. Nothing was sent.
             FirstPointTooFar: the arm is not where the plan begins; nothing was sent.
             PlanObstructed: the path is not free in the scene that is watched; the arm did not
                 start, or was brought to rest on the path.
             PlanningError: no path around the change was found; the arm stands.
-            ParameterError: an argument is not allowed; nothing was sent.
             PathToleranceViolated: the arm strayed from the path; it was brought to rest.
             GoalToleranceViolated: the arm did not come close enough to the end in time.
             RobotStateError: something else moves the arm; nothing was sent.

@@ -154,6 +154,21 @@ async def test_a_change_during_the_check_is_checked_too(monkeypatch: pytest.Monk
     assert caught.value.pair[1] == "board"
 
 
+@pytest.mark.slow
+async def test_a_plan_for_another_arm_is_refused() -> None:
+    """It is free for the links of that arm alone."""
+    with Simulator("gcr10_1300", joints=list(LEFT)) as sim:
+        async with (
+            aioduco.connect(sim.host, sim.port) as robot,
+            Planner(Scene("gcr5_910")) as other,
+        ):
+            await robot.bring_up()
+            plan = await other.plan(LEFT, RIGHT, v=1.0, a=3.0)
+            with pytest.raises(ParameterError, match="for the arm that is there"):
+                await robot.motion.execute(plan)
+            assert (await joints(robot)).almost_equal(LEFT)
+
+
 async def test_an_upright_tool_stays_upright_on_the_way_round(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

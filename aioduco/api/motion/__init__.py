@@ -24,6 +24,7 @@ from aioduco.models.words import one_of
 from aioduco.streaming.joint_trajectory import JointTrajectory, Tolerances
 from aioduco.streaming.shared.options import Feeding, WorkerOptions, checked
 from aioduco.supervision.command import MotionCommand, check_motions
+from aioduco.supervision.envelope_keeper import other_arm
 from aioduco.supervision.motion_path import MotionPath
 from aioduco.supervision.permits import asked_at_call
 
@@ -44,6 +45,11 @@ _AHEAD = Integer(1, 1000, "motions", source="this package")
 
 class PlannedMotion(Protocol):
     """A motion for `execute`: a `Plan` of `aioduco.planning`, a `RecordedPath` of a recording."""
+
+    @property
+    def arm(self) -> Any:
+        """The arm that it is for; a `RecordedPath` has its name alone, which is not checked."""
+        ...
 
     async def run_on(
         self, motion: Any, read_joints: Any, **options: Any
@@ -275,22 +281,24 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
             How the plan was followed; None for blended motions.
 
         Raises:
+            ParameterError: an argument is not allowed, or the plan is for another arm: the flange
+                is not where that one has it. Nothing was sent.
             FirstPointTooFar: the arm is not where the plan begins; nothing was sent.
             PlanObstructed: the path is not free in the scene that is watched; the arm did not
                 start, or was brought to rest on the path.
             PlanningError: no path around the change was found; the arm stands.
-            ParameterError: an argument is not allowed; nothing was sent.
             PathToleranceViolated: the arm strayed from the path; it was brought to rest.
             GoalToleranceViolated: the arm did not come close enough to the end in time.
             RobotStateError: something else moves the arm; nothing was sent.
             StreamError: the stream ended for another reason; the error says which.
             TaskError: a blended motion did not succeed.
         """
-        if not callable(getattr(plan, "run_on", None)):
+        if not (callable(getattr(plan, "run_on", None)) and hasattr(plan, "arm")):
             raise ParameterError("plan", plan, "a plan of aioduco.planning")
         one_of("through", through, (*get_args(Through), "blended"))
         self._supervisor.check_open("execute")
         with self._supervisor.permits.undertaking("execute"):
+            await self._require_arm(plan)
             return await plan.run_on(
                 self,
                 self._joints_at_rest,
@@ -301,6 +309,19 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
                 feedback=feedback,
                 options=options,
             )
+
+    async def _require_arm(self, plan: PlannedMotion) -> None:
+        """Check that a plan was made for the arm that is there: it may be free for that one alone.
+
+        Raises:
+            ParameterError: it was made for another one; nothing was sent.
+        """
+        arm = plan.arm
+        if not hasattr(arm, "fkine"):
+            return
+        await self._joints_at_rest()
+        if away := await other_arm(self._rpc, arm.name, arm.fkine):
+            raise ParameterError("plan", plan, f"one for the arm that is there: {away}")
 
     async def _joints_at_rest(self) -> Sequence[float]:
         """Read the joints once the arm stands: after a stop it may still be coming to rest."""
