@@ -185,6 +185,26 @@ def _set(sensor: str, held: Load) -> tuple[str, ...]:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    ("taught_with", "model", "said"),
+    [
+        ("gcr10_1300", (), "those of a gcr10_1300"),
+        ("", ("--model", "gcr20_1400"), "place of its fla"),
+    ],
+)
+def test_a_load_is_not_measured_with_another_arm(
+    arm: Simulator, tmp_path: Path, taught_with: str, model: tuple[str, ...], said: str
+) -> None:
+    file = WaypointFile.new(arm=taught_with)
+    for number, turn in enumerate(TURNS):
+        file.add(f"p{number}", np.add(HOME, turn))
+    file.save(tmp_path / "around.toml")
+    here = arm.joints
+    ended = invoke("payload", at(arm), "--poses", str(tmp_path / "around.toml"), *model, "--yes")
+    assert (ended.exit_code, said in ended.stderr) == (1, True)
+    assert arm.joints == here
+
+
 def test_a_load_is_not_made_up(arm: Simulator, typed: Any) -> None:
     typed([*[lambda: ""] * 12, lambda: "q"])
     ended = invoke("payload", at(arm), "--yes")

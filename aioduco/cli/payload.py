@@ -122,8 +122,9 @@ def payload(
             name = address.name if address.name in kept.robots else None
             robot.envelope = robot.envelope or kept.envelope(name)
             _check_ways(kept, name, robot.state.get_actual_joints_position(), file)
-        robot.bring_up()
         arm = known_arm or _arm(robot)
+        _require_arm(robot, arm, file)
+        robot.bring_up()
         gone_to = _guided(robot) if file is None else _moved(robot, file)
         joints, read = _readings(robot, sensor, gone_to)
         found = _found(robot, sensor, arm, joints, read, set_load, mounting)
@@ -205,6 +206,16 @@ def _arm(robot: Robot) -> Arm:
     if found is None:
         fail("the controller tells no arm that is known: --model says which one it is")
     return found
+
+
+def _require_arm(robot: Robot, arm: Arm, file: WaypointFile | None) -> None:
+    """End the command if it is about another arm than the one that is there."""
+    from aioduco.kinematics.catalogue import same_arm  # noqa: PLC0415 - quick help
+
+    if file is not None and file.arm and not same_arm(file.arm, arm.name):
+        fail(f"the poses are those of a {file.arm}, and this is a {arm.name}: nothing moved")
+    if not arm.fits(robot.state.get_actual_joints_position(), robot.state.get_flange_pose()):
+        fail(f"the arm is no {arm.name}, by the place of its flange: nothing moved")
 
 
 def _guided(robot: Robot) -> Iterator[Joints]:

@@ -25,6 +25,7 @@ POSITION_LIMIT = 2 * math.pi
 """Joints reach ±2π [rad] (manual section 1.3.5). The vendor's URDFs say ±π."""
 
 _ANY, _ABOVE, _FROM_0 = Number(source="this package"), ranges.ABOVE, ranges.FROM_0
+_SAME_ARM = 0.03  # distance of a flange from where its own arm has it, at most [m]
 _EXACT = 4e-13  # largest difference of an element of two poses that are 1e-12 m, rad apart
 _KEEP = 1e-9  # residual above which a branch counts as having no solution, after refinement
 
@@ -107,6 +108,18 @@ class Arm:
             Homogeneous matrices in the base frame. Shape (..., 4, 4).
         """
         return forward.fkine(self.geometry, _joints(q))
+
+    def fits(self, q: JointsLike, flange: PoseLike) -> bool:
+        """Return whether a flange is where this arm has it, within 30 mm; else it is another arm.
+
+        The lengths of an arm differ from those of its model by less. Models of the same lengths
+        are not told apart.
+
+        Args:
+            q: joint angles that a controller reports [rad]. Shape (6,).
+            flange: its pose of the flange then.
+        """
+        return math.dist(self.fkine(q)[:3, 3], Pose.of(flange)[:3]) <= _SAME_ARM
 
     def jacobian(self, q: JointsLike) -> Array:
         """Return the geometric Jacobian of the flange in the base frame.

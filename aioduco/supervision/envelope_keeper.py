@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from aioduco._wire.rpc import AsyncRpc
     from aioduco.envelope.ways import Way
-    from aioduco.models.pose import Pose
+    from aioduco.models.pose import Joints, Pose
     from aioduco.supervision.envelope_watch import EnvelopeWatch
     from aioduco.supervision.state_feed import StateFeed
     from aioduco.supervision.stop_coordinator import StopCoordinator
@@ -48,9 +48,6 @@ _SLOWEST = {
     "movej_pose": 0.01,
 }
 _SLOWEST_LINE = 0.01
-#: distance of the flange from where an arm has it, from which it is another arm [m]: the lengths of
-#: an arm differ from those of its model by less
-_OTHER_ARM = 0.03
 #: motions of external axes alone
 _NOT_THE_ARM = ("move_eaxis", "move_jog_eaxis")
 
@@ -84,24 +81,18 @@ class _Checked:
     a: float = math.inf
 
 
-async def other_arm(rpc: AsyncRpc, name: str, fkine: Callable[..., Any]) -> str:
-    """Why an arm is not the one that is there, by the place of its flange; empty if it may be.
+async def fits(rpc: AsyncRpc, of_arm: Callable[[Joints, Pose], bool]) -> bool:
+    """Whether an arm may be the one that stands there, by the place of its flange.
 
     Args:
-        rpc: the functions of a controller whose arm stands.
-        name: name of the arm.
-        fkine: its forward kinematics.
+        rpc: the functions of the controller.
+        of_arm: `Arm.fits` of the arm.
     """
     try:
         flange = pose_of(await rpc.get_flange_pose())
     except ControllerError:
-        return ""  # this controller does not report it
-    joints = joints_of(await rpc.get_actual_joints_position())
-    away = math.dist(fkine(joints)[:3, 3], list(flange)[:3])
-    if away <= _OTHER_ARM:
-        return ""
-    where = f"{away:.2g} m from where the controller has it"
-    return f"at its joints, the flange of the {name} would be {where}"
+        return True  # this controller does not report it
+    return of_arm(joints_of(await rpc.get_actual_joints_position()), flange)
 
 
 class EnvelopeKeeper:
@@ -432,9 +423,11 @@ class EnvelopeKeeper:
         self._watch.require_samples(name)
         if envelope is self._fitting or self._live:
             return
-        if away := await other_arm(self._rpc, envelope.arm.name, envelope.arm.fkine):
-            expected = f"one of the arm that is there: {away}"
-            raise ParameterError("robot.envelope", envelope, expected)
+        if not await fits(self._rpc, envelope.arm.fits):
+            expected = (
+                f"one of the arm that is there, whose flange is not where a {envelope.arm.name}"
+            )
+            raise ParameterError("robot.envelope", envelope, f"{expected} has it")
         self._fitting = envelope
 
     async def _joints(self) -> tuple[float, ...]:

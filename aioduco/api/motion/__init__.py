@@ -24,7 +24,7 @@ from aioduco.models.words import one_of
 from aioduco.streaming.joint_trajectory import JointTrajectory, Tolerances
 from aioduco.streaming.shared.options import Feeding, WorkerOptions, checked
 from aioduco.supervision.command import MotionCommand, check_motions
-from aioduco.supervision.envelope_keeper import other_arm
+from aioduco.supervision.envelope_keeper import fits
 from aioduco.supervision.motion_path import MotionPath
 from aioduco.supervision.permits import asked_at_call
 
@@ -316,12 +316,12 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
         Raises:
             ParameterError: it was made for another one; nothing was sent.
         """
-        arm = plan.arm
-        if not hasattr(arm, "fkine"):
+        if not hasattr(plan.arm, "fits"):
             return
         await self._joints_at_rest()
-        if away := await other_arm(self._rpc, arm.name, arm.fkine):
-            raise ParameterError("plan", plan, f"one for the arm that is there: {away}")
+        if not await fits(self._rpc, plan.arm.fits):
+            expected = "one for the arm that is there, whose flange is not where this one's has it"
+            raise ParameterError("plan", plan, expected)
 
     async def _joints_at_rest(self) -> Sequence[float]:
         """Read the joints once the arm stands: after a stop it may still be coming to rest."""

@@ -179,6 +179,11 @@ async def _read_pose(measured: Measurement, robot: Robot, sensor: str) -> None:
     joints = await robot.state.get_actual_joints_position()
     if not joints.almost_equal(begun, _AT_REST):
         raise CalibrationError("the arm moved while it was read: nothing was stored")
+    if not measured.arm.fits(joints, await robot.state.get_flange_pose()):
+        raise CalibrationError(
+            f"the arm is no {measured.arm.name}, by the place of its flange: start the panel with "
+            "its model; nothing was stored"
+        )
     measured.sensor, measured.known, measured.written = sensor, known, False
     measured.poses.append((joints, mean.tolist()))
 

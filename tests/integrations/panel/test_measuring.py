@@ -153,6 +153,16 @@ async def test_a_pose_at_which_the_arm_moves_is_not_stored(monkeypatch: pytest.M
     assert not measured.poses
 
 
+async def test_a_load_is_not_measured_with_another_arm(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("aioduco.integrations.panel.measuring._READINGS", 1)
+    measured = Measurement(GCR5)
+    with Simulator("gcr10_1300", joints=HOME) as sim:
+        async with aioduco.connect(sim.host, sim.port, heartbeat=None) as robot:
+            with pytest.raises(CalibrationError, match="the arm is no gcr5_910"):
+                await read(measured, robot, "pose", "torque")
+    assert not measured.poses
+
+
 def test_the_load_of_a_panel_hangs_as_the_arm_of_its_scene_is_mounted() -> None:
     panel = Panel("192.0.2.1", scene=Scene("gcr5_910", mounting="ceiling"))
     assert panel._measured.gravity == pytest.approx([0.0, 0.0, 9.81], abs=1e-9)
