@@ -29,6 +29,33 @@ from aioduco.api.blocking import BlockingMotions  # noqa: E402  # of this checko
 from aioduco.models import names  # noqa: E402  # of this checkout
 from aioduco.models.names import BY_ITSELF, CLIENT_SIDE  # noqa: E402  # of this checkout
 
+#: Section -> the tables of `docs/fidelity.md` on its functions in the simulated controller
+TABLES = {
+    "1.3.1": "Heartbeat",
+    "1.3.2": "States",
+    "1.3.3": "Stop, pause, resume",
+    "1.3.4": "Programs; Files, settings, service",
+    "1.3.5": (
+        "Motion; Triggers along a path (`op`); Servo motions; Velocities, jogs, hand guiding; "
+        "Recorded tracks; Paths and speeds"
+    ),
+    "1.3.6": "Buses",
+    "1.3.7": (
+        "Signals; Registers and system values; What is read; Status structs; "
+        "States; Recorded tracks; Files, settings, service"
+    ),
+    "1.3.8": "Tasks; Stop, pause, resume; Safety",
+    "1.3.9": "Buses",
+    "1.3.10": "Force control",
+    "1.3.11": "Motion, other settings",
+    "1.3.12": "Track pool",
+    "1.3.13": "Combined motion",
+    "1.3.14": "External axes",
+    "1.3.15": "Realtime control",
+    "1.3.16": "What is read",
+    "Service": "Files, settings, service; Refused",
+}
+
 BLOCKING = {name for name in vars(BlockingMotions) if name[0] != "_"}
 
 HEAD = """# Functions
@@ -155,6 +182,11 @@ def _data(name: str) -> Any:
     return json.loads((DATA / f"{name}.json").read_text(encoding="utf-8"))
 
 
+def _anchor(heading: str) -> str:
+    """The address of a heading on its page."""
+    return re.sub(r"\s+", "-", re.sub(r"[^\w\s-]", "", heading).strip().lower())
+
+
 def page() -> str:
     """The whole text of the page."""
     functions = _data("manual-3.8")["functions"]
@@ -162,8 +194,10 @@ def page() -> str:
     manual = {entry["wire"]: entry["name"] for entry in functions if entry["wire"]}
     lines = [HEAD]
     for head, entries in sections().items():
-        number = head.split()[0]
+        number = head.split()[0].rstrip(":").capitalize()
         lines.append(f"\n## {head[0].upper()}{head[1:]}\n")
+        links = (f"[{one}](fidelity.md#{_anchor(one)})" for one in TABLES[number].split("; "))
+        lines.append(f"Simulated: {'; '.join(links)}.\n")
         lines += ["| function | here | what it does | missing |", "|---|---|---|---|"]
         for name, about in entries:
             printed = manual.get(name)

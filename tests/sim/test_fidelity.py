@@ -15,6 +15,7 @@ from aioduco.sim.handlers import NOT_PUBLIC, Handlers
 
 HERE = Path(__file__).parent
 LEDGER = (HERE.parents[1] / "docs" / "fidelity.md").read_text(encoding="utf-8")
+FUNCTIONS = (HERE.parents[1] / "docs" / "functions.md").read_text(encoding="utf-8")
 MANUAL = json.loads((HERE.parent / "data" / "manual-3.8.json").read_text(encoding="utf-8"))
 #: functions of the manual that are not on the wire: the vendor's client has them
 CLIENT_SIDE = {"DucoCobot", "open", "close", "get_version"}
@@ -38,7 +39,6 @@ ROWS = tables("| behaviour | source | test |")
 MISSING = tables("| not simulated | source | why |")
 GROUPS = tables("| function | why |")
 REFUSED = {name: row[1] for row in GROUPS for name in re.findall(r"`(\w+)`", row[0])}
-INDEX = tables("| section | functions | where |")
 
 
 @for_each("row", ROWS)
@@ -54,7 +54,7 @@ def test_each_row_has_a_source_and_a_test(row: list[str]) -> None:
 
 def test_every_line_of_a_table_is_in_one() -> None:
     lines = [line for line in LEDGER.splitlines() if line.startswith("|")]
-    rows = [*ROWS, *MISSING, *GROUPS, *INDEX]
+    rows = [*ROWS, *MISSING, *GROUPS]
     assert len(ROWS) > 200
     heads = len(re.findall(r"^\|(?!-).*\n\|---", LEDGER, re.MULTILINE))
     assert len(lines) == len(rows) + 2 * heads
@@ -68,21 +68,22 @@ def test_what_is_not_simulated_has_a_source_and_a_reason(row: list[str]) -> None
     assert why
 
 
-def test_every_function_is_in_the_index_once() -> None:
-    named = [name for row in INDEX for name in re.findall(r"`(\w+)`", row[1])]
-    assert sorted(named) == sorted(idl.functions())
-    sections = {name: row[0] for row in INDEX for name in re.findall(r"`(\w+)`", row[1])}
+def test_every_function_is_in_its_section_of_the_page_of_functions_once() -> None:
+    sections: dict[str, list[str]] = {}
+    for block in FUNCTIONS[: FUNCTIONS.index("## Older controllers")].split("\n## ")[1:]:
+        sections[block.split()[0]] = re.findall(r"^\| `(\w+)`", block, re.MULTILINE)
+    named = [name for each in sections.values() for name in each]
+    assert sorted(set(named) - CLIENT_SIDE) == sorted(idl.functions())
+    assert len(named) == len(set(named))
     for function in MANUAL["functions"]:
-        if function["name"] not in CLIENT_SIDE:
-            assert sections[function["wire"]] == function["section"]
-        else:
-            assert f"`{function['name']}`" in LEDGER
+        assert (function["wire"] or function["name"]) in sections[function["section"]]
 
 
-def test_the_index_leads_to_tables() -> None:
+def test_each_section_of_the_page_of_functions_leads_to_tables() -> None:
     headings = set(re.findall(r"^## (.+)$", LEDGER, re.MULTILINE))
-    for section, _, where in INDEX:
-        assert set(where.split("; ")) <= headings, section
+    lines = re.findall(r"^Simulated: .+$", FUNCTIONS, re.MULTILINE)
+    assert len(lines) == FUNCTIONS.count("\n| function | here | what it does | missing |")
+    assert {name for line in lines for name in re.findall(r"\[(.+?)\]\(", line)} <= headings
 
 
 # -- the functions themselves --------------------------------------------------------------------
