@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import anyio
 import numpy as np
@@ -17,12 +17,7 @@ if TYPE_CHECKING:
 
     from aioduco.planning.plan import Plan, PlanCheck
     from aioduco.planning.planner import Planner
-    from aioduco.streaming.joint_trajectory import (
-        Feedback,
-        JointTrajectory,
-        Tolerances,
-        TrajectoryResult,
-    )
+    from aioduco.streaming.joint_trajectory import Feedback, Tolerances, TrajectoryResult
     from aioduco.streaming.shared.options import WorkerOptions
 
 
@@ -34,33 +29,8 @@ ReadJoints: TypeAlias = "Callable[[], Awaitable[Sequence[float]]]"
 """Reads where the arm is [rad]."""
 
 
-class MotionSection(Protocol):
-    """The part of `robot.motion` that is used here."""
-
-    async def follow_joint_trajectory(
-        self,
-        trajectory: JointTrajectory,
-        *,
-        v: float,
-        a: float,
-        tolerances: Tolerances | None = None,
-        feedback: Callable[[Feedback], object] | None = None,
-        through: Any = "auto",
-        reach: float = 0.05,
-        options: WorkerOptions | None = None,
-    ) -> TrajectoryResult:
-        """Follow joint positions at given times to the end."""
-        ...
-
-    def movej2(self, joints: Any, v: float, a: float, *, r: float = 0.0) -> Any:
-        """Move to joint angles."""
-
-    async def run(self, *motions: Any) -> Any:
-        """Send motions one after another, ahead of the arm."""
-
-
 async def execute(
-    motion: MotionSection,
+    motion: Any,
     read_joints: ReadJoints,
     plan: Plan,
     *,
@@ -173,7 +143,7 @@ class _Followed:
         self._error: Exception | None = None
         self.obstructed: PlanCheck | None = None
 
-    async def run(self, motion: MotionSection, **options: Any) -> TrajectoryResult | None:
+    async def run(self, motion: Any, **options: Any) -> TrajectoryResult | None:
         """Follow the plan; None if it ended before the goal."""
         limits = self._plan.limits
         result: TrajectoryResult | None = None

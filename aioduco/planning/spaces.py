@@ -6,7 +6,7 @@ A space's unit is the metre: a step of one metre moves no point of the arm by mu
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -26,31 +26,6 @@ if TYPE_CHECKING:
 
 
 _UPRIGHT = 0.02  # largest tilt of the tool at a goal, against the start [rad]
-
-
-class PathSpace(Protocol):
-    """A space in which a path is searched.
-
-    Attributes:
-        lower, upper: bounds of its points.
-        margin: distance beyond start and goals to which a search is limited.
-    """
-
-    lower: Points
-    upper: Points
-    margin: Points
-
-    def free(self, point: Any) -> bool:
-        """Tell whether the arm touches nothing at a point."""
-        ...
-
-    def point(self, q: Points) -> Points:
-        """The point of a configuration [rad]."""
-        ...
-
-    def joints(self, points: Points) -> Points | None:
-        """The configurations of consecutive points; None if a point has none."""
-        ...
 
 
 class JointPathSpace:
@@ -160,3 +135,11 @@ class UprightPathSpace:
         g, q23 = self._arm.geometry, q[1] + q[2]
         ahead = g.a2 * math.sin(q[1]) + g.a3 * math.sin(q23) + g.d5 * math.sin(q23 + q[3])
         return ahead > 0.0, math.sin(q[2]) > 0.0, math.sin(q[4]) > 0.0
+
+
+PathSpace: TypeAlias = JointPathSpace | UprightPathSpace
+"""A space in which a path is searched.
+
+It has the bounds of its points, `lower` and `upper`; `margin` is the distance beyond start and
+goals to which a search is limited.
+"""

@@ -1,17 +1,15 @@
 """Data that the controller and the physics exchange in each cycle.
 
-The controller takes a `SensedState` and returns a `DriveCommand`. `Plant` is the part of the
-physics that the runtime needs.
+The controller takes a `SensedState` and returns a `DriveCommand`.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable
 
-    from aioduco.models.pose import PoseLike
     from aioduco.models.rotation import Array
     from aioduco.sim.planner.path import JointSetPoint
 
@@ -92,44 +90,3 @@ class DriveCommand(NamedTuple):
 
     setpoint: JointSetPoint
     brake: bool
-
-
-class Plant(Protocol):
-    """The part of the physics that the runtime needs."""
-
-    def reading(self) -> PlantReading:
-        """Positions, motions, forces and torques after the last step."""
-        ...
-
-    def touched(self) -> str:
-        """Text for people about the arm's contacts; empty for no contact."""
-        ...
-
-    def step(self, setpoint: JointSetPoint) -> None:
-        """Simulate one cycle."""
-
-    def arrange(self, q: Array, things: Mapping[str, PoseLike]) -> None:
-        """Place the arm at q [rad] and things of the scene at their poses [m, rad], at once."""
-
-    @property
-    def still(self) -> bool:
-        """Whether nothing else in the scene moves."""
-        ...
-
-    def load(self, mass: float, centre: Sequence[float]) -> None:
-        """Mount a load at the flange, and set it in the drives [kg, m]."""
-
-    def carry(self, mass: float, centre: Sequence[float]) -> None:
-        """Mount a load at the flange without setting it in the drives [kg, m]."""
-
-    def set_modelled_load(self, mass: float, centre: Sequence[float]) -> None:
-        """Set a load in the drives without mounting it [kg, m]."""
-
-    def drag(self, dry: Sequence[float], viscous: Sequence[float]) -> None:
-        """Set what drags at the joints, which the drives do not know [N m, N m s/rad]."""
-
-    def brake(self, on: bool) -> None:
-        """Apply the brakes, or release them."""
-
-    def push(self, wrench: Sequence[float]) -> None:
-        """Push at the flange from now on [N, N m], in the base frame."""

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from aioduco.sim.cycle import Plant
+    from aioduco.sim.physics.world import World
 
 
 class PlantChanges:
@@ -22,7 +22,7 @@ class PlantChanges:
         plant: the physics.
     """
 
-    def __init__(self, plant: Plant) -> None:
+    def __init__(self, plant: World) -> None:
         self._plant = plant
         self._wake = threading.Event()
         self._changes: deque[Callable[[], object]] = deque()

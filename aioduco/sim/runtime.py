@@ -26,7 +26,7 @@ from aioduco.models.enums import RobotState, TaskState
 from aioduco.models.rules import condition_holds
 from aioduco.sim.batches import Batches
 from aioduco.sim.clock import CycleSchedule, LoopStatistics, LoopTimes, checked_speed
-from aioduco.sim.cycle import DriveCommand, Plant, SensedState
+from aioduco.sim.cycle import DriveCommand, SensedState
 from aioduco.sim.physics.drives import Temperatures
 from aioduco.sim.planner.path import JointSetPoint
 from aioduco.sim.planning import PlanningThreads
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from aioduco.models.pose import PoseLike
     from aioduco.models.rotation import Array
     from aioduco.sim.controller.state_machine import Controller
+    from aioduco.sim.physics.world import World
 
     #: called with the state after a cycle, and with a function that describes the arm's contacts
     Observer = Callable[[SimulationSnapshot, Callable[[], str]], None]
@@ -108,7 +109,7 @@ class SimulationRuntime(PlantChanges):
     def __init__(
         self,
         controller: Controller,
-        plant: Plant,
+        plant: World,
         *,
         cycle: float = 0.001,
         effort: Sequence[float] = _NO_EFFORT_LIMIT,

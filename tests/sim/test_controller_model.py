@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 from quick import examples
 
 from aioduco.models.enums import OperationMode, RobotState, SafetyState, TaskState
+from aioduco.sim.controller.programs import ProgramRun
 
 from .fakes import Bench, FakeRun, impossible, leg
 
@@ -59,7 +62,7 @@ class Commands(RuleBasedStateMachine):
     @rule(cycles=st.integers(1, 100), breaks=st.booleans())
     def run_program(self, cycles: int, breaks: bool) -> None:
         run = FakeRun(self.controller, cycles, breaks=breaks)
-        id_ = self.controller.run_program(run)
+        id_ = self.controller.run_program(cast("ProgramRun", run))
         if not self.controller.tasks.state(id_).ended:
             self.runs[id_] = run
             assert (

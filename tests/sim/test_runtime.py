@@ -10,6 +10,7 @@ import time
 from collections.abc import Iterator, Sequence
 from functools import partial
 from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 from aioduco.sim import batches
 from aioduco.sim import runtime as module
 from aioduco.sim.cycle import PlantReading
+from aioduco.sim.physics.world import World
 from aioduco.sim.planner.path import JointSetPoint
 from aioduco.sim.refusal import Refusal
 from aioduco.sim.runtime import SimulatedClock, SimulationRuntime
@@ -83,7 +85,7 @@ def arm() -> Follower:
 @contextlib.contextmanager
 def running(arm: Follower, speed: float = 1.0) -> Iterator[SimulationRuntime]:
     """A runtime of this arm, in a block."""
-    runtime = SimulationRuntime(controller_of(FakeMover), arm, speed=speed)
+    runtime = SimulationRuntime(controller_of(FakeMover), cast("World", arm), speed=speed)
     runtime.start()
     try:
         yield runtime
@@ -235,7 +237,7 @@ def in_batches(
     for name, value in (("_CYCLES", 50), ("_LONGEST", 0.05), ("_WAIT_TIMEOUT", 60.0)):
         monkeypatch.setattr(batches, name, value)
     controller = controller_of(FakeMover)
-    runtime = SimulationRuntime(controller, arm, speed=1.0)
+    runtime = SimulationRuntime(controller, cast("World", arm), speed=1.0)
     owed: list[int] = []
     sleep_past = runtime._batches._sleep_past
 
@@ -334,7 +336,7 @@ def test_a_command_of_who_holds_time_comes_at_the_time_that_is_read(
     arm: Follower, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Also while nothing happens, when many cycles go by at once, some of them due before it."""
-    runtime = SimulationRuntime(controller_of(FakeMover), arm, speed=math.inf)
+    runtime = SimulationRuntime(controller_of(FakeMover), cast("World", arm), speed=math.inf)
     clock = SimulatedClock(runtime)
     wall = 0.0
     monkeypatch.setattr(
@@ -398,7 +400,7 @@ def test_a_task_has_ended_only_when_its_snapshot_is_there(
     arm: Follower, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Who asks for a task in the midst of a cycle is answered after it, and waits for no lock."""
-    runtime = SimulationRuntime(controller_of(FakeMover), arm)
+    runtime = SimulationRuntime(controller_of(FakeMover), cast("World", arm))
     looks = []
 
     def look(seconds: float) -> None:

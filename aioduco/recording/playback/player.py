@@ -180,12 +180,10 @@ async def follow(
     read_joints: Any,
     path: RecordedPath,
     *,
-    through: str = "auto",
+    watch: object = None,
+    planner: object = None,
     tolerances: Tolerances | None = None,
-    feedback: Callable[[Feedback], object] | None = None,
-    options: WorkerOptions | None = None,
-    watch: None = None,
-    planner: None = None,
+    **options: Any,
 ) -> TrajectoryResult:
     """Follow a checked path by `robot.motion`: see `play`."""
     if watch is not None or planner is not None:
@@ -202,10 +200,8 @@ async def follow(
         v=min(max(1.05 * fastest(path), 0.05), JOINT_SPEED.high),
         a=max(_ROOM * sharpest(path), _LEAST),
         tolerances=_TOLERANCES if tolerances is None else tolerances,
-        feedback=feedback,
-        through=through,
         reach=2.0 * _NEAR,
-        options=options,
+        **options,
     )
     return result
 

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from aioduco.models.enums import ProgramState, TaskState
 from aioduco.sim.cabinet.script import BLENDING, SLEEP, Call, ProgramError, Script, prepared
@@ -28,27 +28,6 @@ _HALTING = {
 _WENT_WELL = (TaskState.FINISHED, TaskState.INTERRUPT)
 
 
-class RunningProgram(Protocol):
-    """One run of a program."""
-
-    def go_on(self, passed: float) -> bool:
-        """Run one cycle, in which the program makes at most one call.
-
-        Args:
-            passed: time since the previous cycle [s].
-
-        Returns:
-            Whether the program is over.
-
-        Raises:
-            ProgramError: The program cannot continue.
-        """
-        ...
-
-    def close(self) -> None:
-        """End the run; `go_on` is not called again."""
-
-
 class ProgramExecution:
     """Runs at most one program, which makes its calls like a client, but within the cycle.
 
@@ -59,7 +38,7 @@ class ProgramExecution:
     def __init__(self, tasks: TaskTable) -> None:
         self.calling: bool = False
         self._tasks = tasks
-        self._current: tuple[int, RunningProgram] | None = None
+        self._current: tuple[int, ProgramRun] | None = None
         self._paused = False
         self._ending: tuple[TaskState, str] | None = None
         self._lags_until = 0.0
@@ -99,7 +78,7 @@ class ProgramExecution:
         if self._current is not None or motion is not _IDLE:
             self._lags_until = time + lag
 
-    def begin(self, id_: int, run: RunningProgram) -> None:
+    def begin(self, id_: int, run: ProgramRun) -> None:
         """Run a program; `id_` is its task. No other program may be active."""
         assert self._current is None
         self._current, self._paused, self._ending = (id_, run), False, None
@@ -194,7 +173,17 @@ class ProgramRun:
         self._over = False
 
     def go_on(self, passed: float) -> bool:
-        """Run one cycle; see `RunningProgram`."""
+        """Run one cycle, in which the program makes at most one call.
+
+        Args:
+            passed: time since the previous cycle [s].
+
+        Returns:
+            Whether the program is over.
+
+        Raises:
+            ProgramError: The program cannot continue.
+        """
         self._sleep -= passed
         # A tolerance of half a cycle for the rounding of a sum of cycles.
         if self._sleep > 0.5 * passed:

@@ -29,7 +29,7 @@ from aioduco.sim.controller.monitoring import CollisionDetector, HeartbeatWatchd
 from aioduco.sim.controller.motion_queue import DeferredMotion, DeferredMotions, MotionQueue
 from aioduco.sim.controller.motion_settings import OptimizationSwitches, WeaveSelection
 from aioduco.sim.controller.power import PowerControl
-from aioduco.sim.controller.programs import ProgramExecution, RunningProgram
+from aioduco.sim.controller.programs import ProgramExecution, ProgramRun
 from aioduco.sim.controller.recorder import Recorder
 from aioduco.sim.controller.safety import Admission, SafetyController
 from aioduco.sim.controller.signal_rules import SignalRules
@@ -341,7 +341,7 @@ class Controller:
         self.motion.stop(self._jog_ends, "the jog was ended", id_)
         return id_
 
-    def run_program(self, run: RunningProgram) -> int:
+    def run_program(self, run: ProgramRun) -> int:
         """Run a program; it begins only if nothing else runs."""
         if reason := self._admission.program():
             return self.reject("run_program", TaskState.ILLEGAL, reason)

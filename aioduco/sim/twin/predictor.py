@@ -12,7 +12,7 @@ from aioduco.kinematics.forward import frames
 from aioduco.models.enums import ProgramState, RobotState
 from aioduco.models.pose import Pose
 from aioduco.sim.twin.data import Six, TwinCommand, TwinSample
-from aioduco.sim.twin.rehearsal import PATHS, Match, Rehearsal
+from aioduco.sim.twin.rehearsal import HALTS, PATHS, Match, Rehearsal
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -32,7 +32,6 @@ _MOVES = 2e-3
 _GAP = 0.05
 #: samples from one comparison of the tool's pose to the next
 _POSE_EVERY = 3
-_HALTS = ("stop", "abort", "pause", "resume")
 
 
 class Deviation(NamedTuple):
@@ -101,7 +100,7 @@ class Predictor:
         if self.rehearsal.blind and command.function in PATHS and command.accepted:
             self._waiting.append(command)
         said = self.rehearsal.command(command)
-        if command.function in _HALTS:
+        if command.function in HALTS:
             # where the arm comes to rest depends on milliseconds
             self.rehearsal.hide(f"{command.function} was called")
         return said

@@ -63,7 +63,7 @@ SETTINGS = frozenset(
     )
 )
 #: commands that end or hold motions
-_HALTS = frozenset(("stop", "abort", "pause", "resume"))
+HALTS = frozenset(("stop", "abort", "pause", "resume"))
 #: beginnings of the names of functions that move an arm in ways that are not rehearsed
 _UNKNOWN_WAYS = (
     *("move", "servo", "speedj", "speedl", "teach_mode", "replay", "run_program", "track"),
@@ -145,7 +145,7 @@ class Rehearsal:
             name = arguments[0] if function == "set_tool_data" else None
             self._settings.pop((function, name), None)
             self._settings[function, name] = arguments
-        elif function not in PATHS and function not in _HALTS:
+        elif function not in PATHS and function not in HALTS:
             if function.startswith(_UNKNOWN_WAYS) and command.accepted:
                 self.hide(f"{function} is not rehearsed")
             return None
