@@ -11,15 +11,14 @@ from aioduco.models.pose import Joints, Pose
 from aioduco.models.ranges import FINITE, WAIT
 from aioduco.planning.clearance import TOUCHING, Clearance
 from aioduco.planning.scene import Scene, require_scene
-from aioduco.streaming.joint_trajectory import JointTrajectory, TrajectoryResult
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco.kinematics import Arm
     from aioduco.planning.motion_limits import MotionLimits
-    from aioduco.planning.problem import PlanningProblem, Solution
     from aioduco.sim.view.camera import Camera
+    from aioduco.streaming.joint_trajectory import JointTrajectory, TrajectoryResult
     from aioduco.streaming.sampling import Spline
 
     Points = NDArray[np.float64]
@@ -98,28 +97,6 @@ class Plan:
     upright: bool = False
     searching: float = 0.0
     timing: float = 0.0
-
-    @classmethod
-    def of(cls, problem: PlanningProblem, solution: Solution) -> Plan:
-        """Make a plan from the answer of the planner's process."""
-        trajectory = JointTrajectory(
-            solution.positions, solution.times, solution.velocities, solution.accelerations
-        )
-        return cls(
-            problem.arm,
-            trajectory,
-            problem.limits,
-            problem.tip,
-            solution.corners,
-            solution.looked,
-            solution.clearances,
-            solution.radii,
-            solution.padding,
-            solution.fraction,
-            problem.upright,
-            solution.searching,
-            solution.timing,
-        )
 
     def __repr__(self) -> str:
         part = f", {self.fraction:.0%} of the way" if self.fraction < 1.0 else ""

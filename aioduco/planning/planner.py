@@ -21,13 +21,7 @@ from aioduco.models.ranges import JOINTS, POSE
 from aioduco.models.rules import Integer, Number
 from aioduco.planning.motion_limits import MotionLimits
 from aioduco.planning.plan import Plan
-from aioduco.planning.problem import (
-    GoalLike,
-    PlanningProblem,
-    Solution,
-    WorkerScene,
-    goals_of,
-)
+from aioduco.planning.problem import GoalLike, PlanningProblem, WorkerScene, goals_of
 from aioduco.planning.toolpath import poses_along
 
 if TYPE_CHECKING:
@@ -162,7 +156,8 @@ class Planner(Closable):
             NoPathFound: no path was found in time.
             ParameterError: an argument is out of range.
         """
-        return await self._ask(self._free(start, goal, v, a, jerk, upright, timeout))
+        limits = {"v": v, "a": a, "jerk": jerk, "timeout": timeout}
+        return await self._ask(self._free(start, goal, upright=upright, **limits))
 
     async def line(
         self,
@@ -199,7 +194,9 @@ class Planner(Closable):
             PathIncomplete: only a part of the path is free and within reach.
             ParameterError: an argument is out of range.
         """
-        return await self._ask(self._line(start, to, via, speed, v, a, jerk, partial, timeout))
+        limits = {"v": v, "a": a, "jerk": jerk, "timeout": timeout}
+        line = self._line(start, to, via=via, speed=speed, partial=partial, **limits)
+        return await self._ask(line)
 
     def plan_blocking(self, start: JointsLike, goal: GoalLike, **options: Any) -> Plan:
         """Find a path to a goal, for programs without an event loop: see `plan`.
@@ -209,7 +206,7 @@ class Planner(Closable):
             goal: the goal.
             options: the other arguments of `plan`.
         """
-        return self._solve(self._free(start, goal, **{**_FREE, **options}))
+        return self._solve(self._free(start, goal, **options))
 
     def line_blocking(self, start: JointsLike, to: PoseLike, **options: Any) -> Plan:
         """Plan a line or an arc of the tool, for programs without an event loop: see `line`.
@@ -219,34 +216,25 @@ class Planner(Closable):
             to: pose of the tool at the end, in the base frame [m, rad].
             options: the other arguments of `line`.
         """
-        return self._solve(self._line(start, to, **{**_LINE, **options}))
+        return self._solve(self._line(start, to, **options))
 
     # -- problems ------------------------------------------------------------------------------
 
     def _free(
-        self,
-        start: JointsLike,
-        goal: GoalLike,
-        v: PerJoint,
-        a: PerJoint,
-        jerk: PerJoint | None,
-        upright: bool,
-        timeout: float,
+        self, start: JointsLike, goal: GoalLike, *, upright: bool = False, **limits: Any
     ) -> _Request:
         goals = goals_of(goal)
-        return self._request(self.scene, start, goals, v, a, jerk, timeout, upright=upright)
+        return self._request(self.scene, start, goals, {"upright": upright}, **limits)
 
     def _line(
         self,
         start: JointsLike,
         to: PoseLike,
-        via: PoseLike | None,
-        speed: float,
-        v: PerJoint,
-        a: PerJoint,
-        jerk: PerJoint | None,
-        partial: bool,
-        timeout: float,
+        *,
+        via: PoseLike | None = None,
+        speed: float = 0.25,
+        partial: bool = False,
+        **limits: Any,
     ) -> _Request:
         scene = self.scene
         speed = _SPEED("speed", speed)
@@ -256,21 +244,21 @@ class Planner(Closable):
             # Raises if the three points are on a line, which is not an arc.
             first = scene.arm.fkine(start) @ self._tip
             poses_along(first, goals[0].matrix, goals[-1].matrix)
-        return self._request(
-            scene, start, goals, v, a, jerk, timeout,
-            shape="line" if via is None else "arc", rate=speed, partial=partial,
-        )  # fmt: skip
+        shape = "line" if via is None else "arc"
+        kind = {"shape": shape, "rate": speed, "partial": partial}
+        return self._request(scene, start, goals, kind, **limits)
 
     def _request(
         self,
         scene: Scene,
         start: JointsLike,
         goals: tuple[Any, ...],
-        v: PerJoint,
-        a: PerJoint,
-        jerk: PerJoint | None,
-        timeout: float,
-        **more: Any,
+        kind: dict[str, Any],
+        *,
+        v: PerJoint = 1.0,
+        a: PerJoint = 2.0,
+        jerk: PerJoint | None = None,
+        timeout: float = 5.0,
     ) -> _Request:
         timeout = _TIMEOUT("timeout", timeout)
         problem = PlanningProblem(
@@ -282,7 +270,7 @@ class Planner(Closable):
             up=scene.mounting.matrix[2, :3].copy(),
             padding=scene.padding,
             timeout=timeout,
-            **more,
+            **kind,
         )
         return _Request(problem, scene)
 
@@ -306,8 +294,8 @@ class Planner(Closable):
             answer = self._exchange(request)
         if isinstance(answer, PlanningError):
             raise answer
-        assert isinstance(answer, Solution)
-        return Plan.of(request.problem, answer)
+        assert isinstance(answer, Plan)
+        return answer
 
     def _exchange(self, request: _Request) -> Any:
         process = self._process or self._start()
@@ -382,8 +370,3 @@ class Planner(Closable):
         process, self._process = self._process, None
         if process is not None:
             process.close()
-
-
-_COMMON: dict[str, Any] = {"v": 1.0, "a": 2.0, "jerk": None, "timeout": 5.0}
-_FREE: dict[str, Any] = {**_COMMON, "upright": False}
-_LINE: dict[str, Any] = {**_COMMON, "via": None, "speed": 0.25, "partial": False}

@@ -1,4 +1,4 @@
-"""Requests to a planner and its answers: values that are sent from process to process."""
+"""Requests to a planner: values that are sent from process to process."""
 
 from __future__ import annotations
 
@@ -115,33 +115,3 @@ class PlanningProblem:
     rate: float = float("inf")
     padding: float = 0.005
     timeout: float = 5.0
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Solution:
-    """Solution of a problem.
-
-    Attributes:
-        times, positions, velocities, accelerations: those of the joints [s, rad].
-        corners: configurations between which the path is about straight [rad]. Shape (n, 6).
-        looked: times at which the clearance was measured [s].
-        clearances: distances to the nearest thing then, at most 0.1 [m].
-        radii: how far a turn of each joint can move a point [m/rad]. Shape (6,).
-        padding: distance that was kept [m].
-        fraction: share of a line or arc that it covers.
-        searching: processor time for the path [s].
-        timing: processor time for its times [s].
-    """
-
-    times: Points
-    positions: Points
-    velocities: Points
-    accelerations: Points
-    corners: Points
-    looked: Points
-    clearances: Points
-    radii: Points
-    padding: float
-    fraction: float
-    searching: float
-    timing: float

@@ -25,12 +25,13 @@ from aioduco.models.pose import Joints, Pose
 from aioduco.models.rotation import matrix_from_rpy, transform
 from aioduco.planning.clearance import TOUCHING, Clearance
 from aioduco.planning.curve import is_free, joint_curve, rounded
-from aioduco.planning.problem import Goal, PlanningProblem, Region, Solution
+from aioduco.planning.plan import Plan
 from aioduco.planning.search import STEP, search
 from aioduco.planning.spaces import JointPathSpace, PathSpace, UprightPathSpace
 from aioduco.planning.spline import BSpline
 from aioduco.planning.timing import timed
 from aioduco.planning.toolpath import followed, poses_along
+from aioduco.streaming.joint_trajectory import JointTrajectory
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
 
     from aioduco.kinematics import Arm
     from aioduco.planning.collision import CollisionChecker
+    from aioduco.planning.problem import Goal, PlanningProblem, Region
 
     Points = NDArray[np.float64]
 
@@ -98,7 +100,7 @@ _CORNERS = 9  # corners to report for a path that has none in joint space
 _CLEARANCE_SAMPLES = 40  # measurements of the clearance along the path
 
 
-def solve(problem: PlanningProblem, checker: CollisionChecker) -> Solution:
+def solve(problem: PlanningProblem, checker: CollisionChecker) -> Plan:
     """Find a plan.
 
     Args:
@@ -127,23 +129,23 @@ def solve(problem: PlanningProblem, checker: CollisionChecker) -> Solution:
     found = time.process_time()
     if curve.end - curve.begin <= 1e-6:
         still = np.zeros((1, 6))
-        path = np.zeros(1), start[None, :], still, still
+        times, q, qd, qdd = np.zeros(1), start[None, :], still, still
     else:
-        path = timed(curve, problem.limits, problem.rate)
+        times, q, qd, qdd = timed(curve, problem.limits, problem.rate)
     ended = time.process_time()
-    kept = min(map(checker.kept, path[1]))
-    samples = np.unique(np.linspace(0, len(path[0]) - 1, _CLEARANCE_SAMPLES).round().astype(int))
-    return Solution(
-        times=path[0],
-        positions=path[1],
-        velocities=path[2],
-        accelerations=path[3],
+    samples = np.unique(np.linspace(0, len(times) - 1, _CLEARANCE_SAMPLES).round().astype(int))
+    return Plan(
+        arm=problem.arm,
+        trajectory=JointTrajectory(q, times, qd, qdd),
+        limits=problem.limits,
+        tip=problem.tip,
         corners=corners,
-        looked=path[0][samples],
-        clearances=np.array([checker.clearance(path[1][i]).distance for i in samples]),
+        looked=times[samples],
+        clearances=np.array([checker.clearance(q[i]).distance for i in samples]),
         radii=checker.radii,
-        padding=max(kept, TOUCHING),
+        padding=max(min(map(checker.kept, q)), TOUCHING),
         fraction=fraction,
+        upright=problem.upright,
         searching=found - used,
         timing=ended - found,
     )
