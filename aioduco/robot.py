@@ -83,52 +83,29 @@ if TYPE_CHECKING:
 
 __all__ = ["Robot", "connect", "stop_all"]
 
-#: full name of the class of each section; `Robot` declares their types, and makes each when it is
+#: sections with functions of the wire; `Robot` declares their types, and makes each when it is
 #: first used
-_SECTIONS = {
-    "system": "aioduco.api.system.System",
-    "program": "aioduco.api.program.Program",
-    "compound": "aioduco.api.compound.Compound",
-    "external_axes": "aioduco.api.external_axes.ExternalAxes",
-    "state": "aioduco.api.state.State",
-    "io": "aioduco.api.io.IO",
-    "registers": "aioduco.api.registers.Registers",
-    "bus": "aioduco.api.bus.Bus",
-    "frames": "aioduco.api.frames.Frames",
-    "kinematics": "aioduco.api.kinematics.Kinematics",
-    "settings": "aioduco.api.settings.Settings",
-    "optimization": "aioduco.api.optimization.Optimization",
-    "force": "aioduco.api.force.Force",
-    "modbus": "aioduco.api.modbus.Modbus",
-    "log": "aioduco.api.log.Log",
-    "service": "aioduco.api.service.Service",
-    "version": "aioduco.api.version.Version",
-}
+_SECTIONS = (
+    *("system", "program", "compound", "external_axes", "state", "io", "registers", "bus"),
+    *("frames", "kinematics", "settings", "optimization", "force", "modbus", "log", "service"),
+    "version",
+)
 #: sections with functions of the wire and with streams
-_SECTIONS_WITH_STREAMS = {
-    "motion": "aioduco.api.motion.Motion",
-    "track": "aioduco.api.track.Track",
-    "realtime": "aioduco.api.realtime.Realtime",
-}
-#: the section with the motions of others, and those others
-_BLOCKING = "aioduco.api.blocking.BlockingMotions"
+_SECTIONS_WITH_STREAMS = ("motion", "track", "realtime")
+#: the sections of which "blocking" has motions
 _BLOCKED = ("motion", "program", "track", "external_axes", "force")
 #: sections with streams alone
-_STREAMS = {
-    "servo": "aioduco.api.streams.servo.Servo",
-    "speed": "aioduco.api.streams.speed.Speed",
-}
+_STREAMS = ("servo", "speed")
 #: what a robot that is open may need besides: it is loaded before
 _NEEDED_OPEN = frozenset(
     {
-        *("numpy", "aioduco._wire.thrift", "aioduco.streaming.endpoint", "aioduco.api.blocking"),
-        *(
-            place.rpartition(".")[0]
-            for places in (_SECTIONS, _SECTIONS_WITH_STREAMS, _STREAMS)
-            for place in places.values()
-        ),
+        *("numpy", "aioduco._wire.thrift", "aioduco.streaming.endpoint"),
+        *map("aioduco.api.{}".format, (*_SECTIONS, *_SECTIONS_WITH_STREAMS, "blocking")),
+        *map("aioduco.api.streams.{}".format, _STREAMS),
     }
 )
+#: names of classes that do not follow from the section's
+_CLASSES = {"io": "IO", "blocking": "BlockingMotions"}
 
 
 def _load_needed() -> None:
@@ -136,10 +113,10 @@ def _load_needed() -> None:
         import_module(module)
 
 
-def _load(place: str) -> Callable[..., object]:
-    """Import the class of a section, given its full name."""
-    module, _, name = place.rpartition(".")
-    kind: Callable[..., object] = getattr(import_module(module), name)
+def _load(name: str) -> Callable[..., object]:
+    """Import the class of a section: it has the section's name, as its module has."""
+    module = import_module(f"aioduco.api.{'streams.' if name in _STREAMS else ''}{name}")
+    kind: Callable[..., object] = getattr(module, _CLASSES.get(name, name.title().replace("_", "")))
     return kind
 
 
@@ -373,14 +350,14 @@ class Robot(Uncopied, ManualNames, MisspeltRefused):
         def __getattr__(self, name: str) -> object:
             """Make a section when it is first used."""
             if name in _SECTIONS:
-                section = _load(_SECTIONS[name])(self._supervisor)
+                section = _load(name)(self._supervisor)
             elif name in _SECTIONS_WITH_STREAMS:
-                section = _load(_SECTIONS_WITH_STREAMS[name])(self._supervisor, self._endpoint)
+                section = _load(name)(self._supervisor, self._endpoint)
             elif name == "blocking":
                 others = (getattr(self, other) for other in _BLOCKED)
-                section = _load(_BLOCKING)(self._supervisor, *others)
+                section = _load(name)(self._supervisor, *others)
             elif name in _STREAMS:
-                section = _load(_STREAMS[name])(self._endpoint)
+                section = _load(name)(self._endpoint)
             else:
                 return super().__getattr__(name)
             return vars(self).setdefault(name, section)  # another thread may have made it, too
