@@ -92,7 +92,7 @@ def check_path(
     within = not _over(speeds, most) and not _over(sharp, allowed)
     helps = "" if within else _what_helps(path, speeds, sharp, most, allowed)
     found += _beyond(path, "speed", "rad/s", times[:-1], speeds, most, helps)
-    middles = times[_WINDOW // 2 :]
+    middles = (np.arange(len(sharp)) - _WINDOW // 2) * _LOOK
     found += _beyond(path, "acceleration", "rad/s²", middles, sharp, allowed, helps)
     if envelope is not None:
         found += _leaves(path, envelope, tool)
@@ -142,10 +142,12 @@ def _looks(
 
 
 def _accelerations(q: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Joint accelerations, from three places half a window apart [rad/s²]. Shape (m, 6)."""
+    """Joint accelerations, from three places half a window apart [rad/s²]. Shape (m, 6).
+
+    The arm stands before and after. The first window ends where the path begins.
+    """
     half = _WINDOW // 2
-    if len(q) <= 2 * half:
-        return np.zeros((1, 6))
+    q = np.pad(q, ((2 * half, 2 * half), (0, 0)), "edge")
     return np.asarray((q[2 * half :] - 2 * q[half:-half] + q[: -2 * half]) / (half * _LOOK) ** 2)
 
 

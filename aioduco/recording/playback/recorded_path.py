@@ -105,7 +105,7 @@ class RecordedPath:
         """Take the path out of a recording, from when the arm begins to move until it stands.
 
         Pauses on the way are kept. If `begin` or `end` lies within a motion, the path accelerates
-        or stops within 0.4 s, on the recorded way.
+        or stops within 0.4 s, or its whole time if that is less, on the recorded way.
 
         Args:
             run: the recording.
@@ -259,17 +259,16 @@ def _eased(times: Array, positions: Array) -> tuple[Array, Array]:
     """
     since, left = times - times[0], times[-1] - times
     made, rates = since.copy(), np.ones_like(since)
-    if since[-1] < _EASE:
-        return made, rates
+    ease = min(_EASE, since[-1])
     speeds = np.abs(np.diff(positions, axis=0)).max(axis=1) / np.diff(times)
     if speeds[0] > 10 * STILL:
-        slow = since < _EASE / 2
-        made = np.where(slow, np.sqrt(2 * _EASE * since), since + _EASE / 2)
-        rates = np.where(slow, made / _EASE, rates)
+        slow = since < ease / 2
+        made = np.where(slow, np.sqrt(2 * ease * since), since + ease / 2)
+        rates = np.where(slow, made / ease, rates)
     if speeds[-1] > 10 * STILL:
-        slow, late = left < _EASE / 2, np.sqrt(2 * _EASE * left)
-        made = np.where(slow, made[-1] + _EASE / 2 - late, made)
-        rates = np.where(slow, late / _EASE, rates)
+        slow, late = left < ease / 2, np.sqrt(2 * ease * left)
+        made = np.where(slow, made[-1] + ease / 2 - late, made)
+        rates = np.where(slow, late / ease, rates)
     return made, rates
 
 

@@ -51,6 +51,15 @@ def test_a_path_is_what_the_arm_did_from_when_it_moved(tmp_path: Path) -> None:
     assert sharpest(quick) == pytest.approx(4 * sharpest(path), rel=0.05)
 
 
+@for_each("seconds", [0.3, 0.15, 0.02])
+def test_a_short_part_of_a_motion_begins_and_ends_at_rest(tmp_path: Path, seconds: float) -> None:
+    """One of less than 0.4 s began at the speed of the recorded arm, and nothing spoke against."""
+    path = RecordedPath.of(read(write(tmp_path / f"{seconds}.mcap")), begin=1.0, end=1.0 + seconds)
+    assert path.duration == pytest.approx(2 * seconds, abs=0.03)
+    assert np.abs(path.at(path.times) - nod(path.recorded)).max() < 1e-4
+    assert kinds(path) == (["acceleration"] if seconds < 0.1 else [])
+
+
 @pytest.mark.slow
 def test_samples_that_were_received_late_make_no_shaking_path(tmp_path: Path) -> None:
     chance = np.random.default_rng(5)
