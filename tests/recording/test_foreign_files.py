@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import math
 import os
 import stat
 import struct
@@ -95,6 +96,32 @@ def test_a_strange_file_is_read_or_refused_by_a_typed_error(kind: str, tmp_path:
         assert tracemalloc.get_traced_memory()[1] < 300 << 20
     finally:
         tracemalloc.stop()
+
+
+def joints(**changed: Any) -> bytes:
+    """A file of a moving arm, of which the sample in the middle is changed."""
+    rows: list[dict[str, Any]] = [{"position": [0.01 * number] * 6} for number in range(11)]
+    rows[5] |= changed
+    told = enumerate(json.dumps(row).encode() for row in rows)
+    samples = b"".join(message(1, row, 10**18 + number * 10**7) for number, row in told)
+    return HEAD + chunk(channel(1, "/joint_setpoints") + samples) + END
+
+
+@for_each("names", [[f"joint_{number}" for number in (6, 5, 4, 3, 2, 1)], [*"abcdef"]])
+def test_joints_in_another_order_are_no_path(names: list[str], tmp_path: Path) -> None:
+    """Each joint was to follow the angles of another one."""
+    path = tmp_path / "run.mcap"
+    path.write_bytes(joints(names=names))
+    with pytest.raises(RecordingError, match=f"{names[0]}, {names[1]}.* joint_1 to joint_6"):
+        RecordedPath.of(read(path))
+
+
+@for_each("position", [None, [0.0, 0.0, math.nan, 0.0, 0.0, 0.0]])
+def test_a_sample_without_joints_is_missing(position: Any, tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    path.write_bytes(joints(position=position))
+    found = RecordedPath.of(read(path))
+    assert found.positions[:, 0].tolist() == [0.01 * number for number in range(11) if number != 5]
 
 
 @pytest.mark.slow

@@ -92,7 +92,7 @@ def check_path(
     within = not _over(speeds, most) and not _over(sharp, allowed)
     helps = "" if within else _what_helps(path, speeds, sharp, most, allowed)
     found += _beyond(path, "speed", "rad/s", times[:-1], speeds, most, helps)
-    middles = (np.arange(len(sharp)) - _WINDOW // 2) * _LOOK
+    middles = np.arange(-_WINDOW / 2, len(sharp) - _WINDOW / 2) * _LOOK
     found += _beyond(path, "acceleration", "rad/s²", middles, sharp, allowed, helps)
     if envelope is not None:
         found += _leaves(path, envelope, tool)

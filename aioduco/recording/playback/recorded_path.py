@@ -48,6 +48,10 @@ _REST = 0.05
 _EASE = 0.4
 
 
+#: names of the joints, in their order
+_NAMES = [f"joint_{number}" for number in range(1, 7)]
+
+
 class RecordedOutput(NamedTuple):
     """A digital output that changed.
 
@@ -136,10 +140,20 @@ class RecordedPath:
         if topic not in run.topics:
             raise RecordingError(f"{run.path} has no joints to follow: it has no channel {topic}")
         read = run.arrays(topic)
+        positions = np.asarray(read["position"])
+        if positions.ndim != 2 or positions.shape[1] != 6:
+            raise RecordingError(f"{run.path} has no six joints in {topic}")
         inside = (read["time"] >= first) & (read["time"] <= last)
-        received, positions = read["time"][inside], np.asarray(read["position"])[inside]
-        if positions.ndim != 2 or positions.shape[1] != 6 or len(positions) < 2:
+        inside &= np.isfinite(positions).all(axis=1)
+        received, positions = read["time"][inside], positions[inside]
+        if len(positions) < 2:
             raise RecordingError(f"{run.path} has no joints from {first:g} to {last:g} s")
+        for names in read["names"][inside] if "names" in read else ():
+            if names not in (None, _NAMES):
+                raise RecordingError(
+                    f"{run.path} has the joints {', '.join(names)}, where joint_1 to joint_6 are "
+                    "to be, in this order"
+                )
         velocities = np.asarray(read.get("velocity", np.full_like(read["position"], np.nan)))
         velocities = velocities[inside]
         kept = _moving_part(run, received, positions)
