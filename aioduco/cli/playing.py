@@ -15,6 +15,7 @@ from aioduco.cli.sessions import control_session, observing_session, require_sti
 from aioduco.kinematics import arm
 from aioduco.recording.playback import RecordedPath, WaypointFile, check_path
 from aioduco.recording.playback.path_check import check_waypoints, fastest
+from aioduco.recording.playback.player import for_another_arm
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -56,6 +57,8 @@ class PlayedFile:
         if self.model is None:
             fail("it does not say for which arm it is: --model says so")
         known, limits = arm(self.model), self.envelope
+        if other := for_another_arm(self.content.arm, known.name):
+            fail(other)
         if isinstance(self.content, RecordedPath):
             _report(check_path(self.content, known, envelope=limits))
         else:

@@ -141,16 +141,14 @@ class _CellPoints:
 def _file(robot: Robot, path: Path) -> _Waypoints:
     """The existing file of waypoints, or a new one."""
     from aioduco.errors import PathRefused  # noqa: PLC0415
-    from aioduco.kinematics.catalogue import same_arm  # noqa: PLC0415
     from aioduco.recording.playback import WaypointFile  # noqa: PLC0415
-    from aioduco.recording.playback.player import arm_named  # noqa: PLC0415
+    from aioduco.recording.playback.player import arm_named, for_another_arm  # noqa: PLC0415
 
     told = arm_named(robot.version.get_robot_type())
     if not path.exists():
         return _Waypoints(WaypointFile.new(arm=told, title=str(path)), path)
     kept = WaypointFile.read(path)
-    if kept.arm and told and not same_arm(kept.arm, told):
-        text = f"it is for a {kept.arm}, and this is a {told}"
+    if text := for_another_arm(kept.arm, told):
         raise PathRefused(f"{path}: {text}; nothing was sent", (text,))
     say(f"{path} has {len(kept.waypoints)} waypoints; new ones follow them")
     return _Waypoints(kept, path)

@@ -143,9 +143,8 @@ async def check_path_on(
     """
     told, there = await reported_arm(robot)
     found: tuple[PathFinding, ...] = ()
-    if told and path.arm and told != path.arm:
-        text = f"the recorded one is a {path.arm}, this one a {told}"
-        found += (PathFinding("arm", path.begin, text),)
+    if other := for_another_arm(path.arm, told):
+        found += (PathFinding("arm", path.begin, other),)
     kind = there if arm is None else arm_given("arm", arm)
     if kind is None:
         raise ParameterError("arm", told or None, "given: the controller does not tell a known one")
@@ -166,6 +165,13 @@ async def reported_arm(robot: Robot) -> tuple[str, Arm | None]:
 def arm_named(told: RobotType) -> str:
     """Name of an arm in recordings and files of waypoints."""
     return " ".join(filter(None, told[:3]))
+
+
+def for_another_arm(made_with: str, this: str) -> str:
+    """Why what one arm has recorded or was taught is not for this one; empty if it may be."""
+    if not made_with or not this or same_arm(made_with, this):
+        return ""
+    return f"it is for a {made_with}, and this is a {this}"
 
 
 def refused(name: str, found: Sequence[str]) -> PathRefused:
@@ -327,8 +333,8 @@ async def check_waypoints_on(
     """
     told, there = await reported_arm(robot)
     found = []
-    if told and waypoints.arm and not same_arm(told, waypoints.arm):
-        found.append(f"the waypoints are those of a {waypoints.arm}, this is a {told}")
+    if other := for_another_arm(waypoints.arm, told):
+        found.append(other)
     kind = there if arm is None else arm_given("arm", arm)
     limits = envelope or robot.envelope
     tool = [0.0] * 6 if limits is None else list(await robot.frames.get_tcp_offset())

@@ -211,7 +211,7 @@ async def test_what_speaks_against_it_is_said_and_nothing_is_sent(tmp_path: Path
     async with led(joints=FAR) as (sim, robot):
         with pytest.raises(aioduco.FirstPointTooFar, match=r"joint 1 is 0\.5000 rad"):
             await play(robot, path)
-        with pytest.raises(aioduco.PathRefused, match="recorded one is a GCR10 1300"):
+        with pytest.raises(aioduco.PathRefused, match="it is for a GCR10 1300"):
             await play(robot, other)
         with pytest.raises(aioduco.PathRefused, match="accel"):
             await play(robot, RecordedPath.of(read(tmp_path / "run.mcap"), speed=6.0))
@@ -358,6 +358,11 @@ def test_play_checks_and_asks_before_an_arm_moves(tmp_path: Path) -> None:
     quick = run("play", file, "--check", "--speed", "10")
     assert quick.exit_code == 1
     assert "speed at" in quick.stderr
+    points = tmp_path / "points.toml"
+    waypoints().save(points)
+    for what in (file, str(points)):
+        other = run("play", what, "--check", "--model", "gcr3_618")
+        assert (other.exit_code, "GCR5 910, and this is a gcr3_618" in other.stderr) == (1, True)
     unknown = run("play", str(tmp_path / "none.mcap"), "--check")
     assert (unknown.exit_code, "none.mcap" in "".join(unknown.stderr.replace("│", "").split())) == (
         2,
