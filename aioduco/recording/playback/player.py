@@ -223,7 +223,7 @@ async def _outputs(
         yield feedback
         return
     wake = anyio.Event()
-    now = 0.0
+    now = -np.inf  # nothing is due before the arm is led
 
     def told(at: Feedback) -> None:
         nonlocal now, wake

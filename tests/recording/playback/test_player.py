@@ -11,6 +11,7 @@ import warnings
 from collections import Counter
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +35,7 @@ from aioduco.kinematics import arm
 from aioduco.recording import read
 from aioduco.recording.container import DATA_END, MAGIC
 from aioduco.recording.playback import (
+    RecordedOutput,
     RecordedPath,
     WaypointFile,
     play,
@@ -155,6 +157,24 @@ async def test_outputs_are_set_as_they_were(
         assert path.at(np.array([path.duration]))[0] == pytest.approx(
             list(await robot.state.get_actual_joints_position()), abs=6e-3
         )
+
+
+async def test_no_output_is_set_before_the_arm_is_led(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One that changes as the path begins was set though no stream was opened."""
+    path = RecordedPath.of(read(write(tmp_path / "run.mcap")))
+    path = replace(path, outputs=(RecordedOutput(0.0, 3, True),))
+
+    async def refused(*_: Any, **__: Any) -> Any:
+        await anyio.wait_all_tasks_blocked()
+        raise aioduco.RobotStateError("it is a test")
+
+    monkeypatch.setattr(player, "follow", refused)
+    async with led(joints=HOME) as (sim, robot):
+        with pytest.raises(aioduco.RobotStateError, match="it is a test"):
+            await play(robot, path, outputs=True)
+        assert not sim.get_digital_output(3)
 
 
 @pytest.mark.slow
