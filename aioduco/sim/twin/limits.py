@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
@@ -21,7 +21,7 @@ from aioduco.sim.twin.predictor import Deviation, Predictor
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from aioduco.kinematics import Arm
     from aioduco.models.pose import Pose
@@ -198,6 +198,8 @@ def deviations(
 def learn(arm: Arm, good: Sequence[Deviation]) -> TwinLimits:
     """Learn limits from a run in which everything was as it should be.
 
+    What the run does not show has the wide limit of `TwinLimits.of`.
+
     Args:
         arm: the arm.
         good: the differences of its samples, with commands if their timing is to be judged.
@@ -234,17 +236,16 @@ def learn(arm: Arm, good: Sequence[Deviation]) -> TwinLimits:
             if each.moving:
                 delays.append(match.delay)
     usual = float(np.median(delays)) if delays else 0.0
-    largest["delay"] = float(np.max(delays)) - usual if delays else 0.3
-    limits = {name: np.maximum(_MARGIN * value, 0.0) for name, value in largest.items()}
+    largest["delay"] = float(np.max(delays)) - usual if delays else 0.0
     floors = {**_FLOOR, "torque": _FLOOR["torque"] * effort}
     # Beside the floor, not above it: a good run shows only a part of what is normal.
-    total = {name: limits[name] + floors[name] for name in limits}
+    total = {
+        name: np.maximum(_MARGIN * value, 0.0) + floors[name] for name, value in largest.items()
+    }
     found: dict[str, Any] = {
         name: _six(value) if np.ndim(value) else float(value) for name, value in total.items()
     }
-    if all(each.external is None for each in moving):
-        found["friction"] = math.inf  # it was not seen
-    return TwinLimits(
+    limits = TwinLimits(
         arm=arm.name,
         **found,
         usual_delay=usual,
@@ -255,6 +256,20 @@ def learn(arm: Arm, good: Sequence[Deviation]) -> TwinLimits:
         noise=_six(noise),
         learned=round(seconds, 1),
     )
+    wide = TwinLimits.of(arm)
+    return replace(limits, **{name: getattr(wide, name) for name in _unseen(moving, delays)})
+
+
+def _unseen(moving: Sequence[Deviation], delays: Sequence[float]) -> Iterator[str]:
+    """The limits about which a run says nothing."""
+    if all(each.external is None for each in moving):
+        yield from ("friction", "torque", "noise")
+        if all(each.force is None for each in moving):
+            yield from ("mass", "force")
+    if all(each.position is None for each in moving):
+        yield from ("position", "angle")
+    if not delays:
+        yield from ("path", "delay")
 
 
 def _six(values: Any) -> Six:

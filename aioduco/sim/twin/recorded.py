@@ -40,7 +40,7 @@ def learn(
 
     In this run everything should be as it will be later: tool, payload, speeds, the same or similar
     motions by all joints, for a minute or more. A limit is a third above the largest difference of
-    that run, and a fixed amount.
+    that run, and a fixed amount; what the run does not show has the wide limit of `TwinLimits.of`.
 
     Args:
         path: the recording, with forces; `robot.record` and `aioduco record` make it.

@@ -13,6 +13,7 @@ import pytest
 from for_each import for_each
 
 from aioduco.errors import ParameterError
+from aioduco.sim.twin.data import TwinSample
 from aioduco.sim.twin.limits import TwinLimits, deviations, learn
 from aioduco.sim.twin.predictor import AHEAD, HELD, Timeline
 
@@ -94,6 +95,24 @@ def test_a_run_that_hardly_moves_is_refused() -> None:
     good = deviations(ARM, work(PerfectArm(), movej2(*THERE)), NOWHERE)
     with pytest.raises(ParameterError, match="5 s or more"):
         learn(ARM, good)
+
+
+def test_what_a_good_run_does_not_show_has_a_wide_limit() -> None:
+    """They had the least limits, so that a twin paused an arm in good order."""
+    run = list(work(PerfectArm(), *[movej2(*THERE), movej2(*READY)] * 3))
+    samples = [each for each in run if isinstance(each, TwinSample)]
+    felt = ("torque", "noise", "friction")
+    wide = TwinLimits.of(ARM)
+    for names, items in (
+        (("path", "delay"), samples),
+        (("position", "angle"), [each._replace(pose=None) for each in samples]),
+        ((*felt, "mass", "force"), [each._replace(external=None) for each in samples]),
+        (felt, [each._replace(external=None, force=(0.0,) * 6) for each in samples]),
+    ):
+        found = learn(ARM, deviations(ARM, items, NOWHERE))
+        assert [getattr(found, name) for name in names] == [getattr(wide, name) for name in names]
+        assert found.tracking < wide.tracking
+    assert found.mass < wide.mass  # a force sensor shows it
 
 
 def test_a_command_comes_before_the_samples_of_its_time() -> None:
