@@ -22,6 +22,8 @@ from aioduco.recording import read
 from aioduco.recording.container import MAGIC
 from aioduco.recording.figures import draw_page
 from aioduco.recording.playback import RecordedPath
+from aioduco.sim.calibration.evidence import read_evidence
+from aioduco.sim.twin import judge, learn
 from recording.mcap_records import HEAD, channel, message, record, text
 
 zstandard = pytest.importorskip("zstandard")
@@ -60,6 +62,9 @@ STRANGE: dict[str, Callable[[], bytes]] = {
     "a number": lambda: of_json("/events", b"3"),
     "other fields": lambda: of_json("/commands", b'{"a": 1}'),
     "other joints": lambda: of_json("/joint_setpoints", b'{"position": {}}', b'{"position": 1}'),
+    "no duration": lambda: of_json(
+        "/commands", b'{"function": "f", "arguments": 5, "duration": "long"}'
+    ),
     "no text": lambda: of_json("/commands", b'{"n": "\xe4"}'),
     "half a pair": lambda: of_json("/x", b'{"n": "\\ud800"}'),
     "a large number": lambda: of_json("/x", b'{"n": 1' + b"0" * 400 + b"}"),
@@ -90,6 +95,9 @@ def test_a_strange_file_is_read_or_refused_by_a_typed_error(kind: str, tmp_path:
             lambda: used(path, tmp_path / "csv"),
             lambda: RecordedPath.of(read(path)),
             lambda: draw_page(read(path), tmp_path / "run.html"),
+            lambda: judge(path, arm="gcr5_910"),
+            lambda: learn(path, arm="gcr5_910"),
+            lambda: read_evidence(path),
         ):
             with contextlib.suppress(DucoError):
                 use()

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
-from aioduco.errors import ParameterError, RecordingError
+from aioduco.errors import RecordingError
 from aioduco.models.enums import RobotState
 from aioduco.models.pose import Pose
 from aioduco.models.rotation import Array, matrix_from_rotvec, rotvec_from_matrix, transform
-from aioduco.recording.run import RecordedRun, read
+from aioduco.recording.run import RecordedRun, of_any_maker, read
 
 if TYPE_CHECKING:
     import os
@@ -154,6 +154,7 @@ class _Call(NamedTuple):
     arguments: list[Any]
 
 
+@of_any_maker
 def read_evidence(path: str | os.PathLike[str]) -> Evidence:
     """Read what a recording says about its arm.
 
@@ -308,16 +309,13 @@ def _motions(run: RecordedRun) -> Motions:
     empty = np.zeros((0, 6))
     if not {"/joint_states", "/joint_setpoints"} <= run.topics.keys():
         return Motions(np.zeros(0), empty, empty, empty, empty)
-    try:
-        actual, wanted = run.arrays("/joint_states"), run.arrays("/joint_setpoints")
-        # Both are written from one answer of the controller, with one time.
-        times, one, two = np.intersect1d(actual["time"], wanted["time"], return_indices=True)
-        columns = (
-            *(wanted["position"][two], wanted["velocity"][two]),
-            *(actual["position"][one], actual["velocity"][one]),
-        )
-    except (KeyError, IndexError, ParameterError) as error:
-        raise RecordingError(f"{run.path.name} has joints of another form: {error}") from error
+    actual, wanted = run.arrays("/joint_states"), run.arrays("/joint_setpoints")
+    # Both are written from one answer of the controller, with one time.
+    times, one, two = np.intersect1d(actual["time"], wanted["time"], return_indices=True)
+    columns = (
+        *(wanted["position"][two], wanted["velocity"][two]),
+        *(actual["position"][one], actual["velocity"][one]),
+    )
     kept = np.isfinite(np.concatenate(columns, axis=1)).all(axis=1)
     return Motions(times[kept], *(column[kept] for column in columns))
 

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from aioduco._wire.rpc import Op
-from aioduco.errors import ParameterError
+from aioduco.errors import ParameterError, RecordingError
 from aioduco.kinematics import arm as arm_of
 from aioduco.kinematics.catalogue import model_named
 from aioduco.models.enums import ProgramState, RobotState, SafetyState
 from aioduco.models.pose import Pose, PoseLike
 from aioduco.models.rotation import matrix_from_quaternion, rpy_from_matrix
-from aioduco.recording.run import RecordedMessage, RecordedRun, read
+from aioduco.recording.run import RecordedMessage, RecordedRun, of_any_maker, read
 from aioduco.sim.twin import limits as limits_of
 from aioduco.sim.twin.data import Divergence, Six, TwinCommand, TwinSample
 from aioduco.sim.twin.limits import TwinLimits, deviations
@@ -33,6 +33,7 @@ _PARTS = ("/joint_states", "/joint_setpoints", "/tf", "/state", "/wrench", "/str
 _OPS = {field.name for field in dataclasses.fields(Op)}
 
 
+@of_any_maker
 def learn(
     path: str | os.PathLike[str], *, arm: str | None = None, mounting: PoseLike | None = None
 ) -> TwinLimits:
@@ -49,7 +50,7 @@ def learn(
 
     Raises:
         ParameterError: the arm is not known, or it moved for less than five seconds.
-        RecordingError: the file is no recording.
+        RecordingError: the file is no recording, or has no samples of the state.
     """
     run = read(path)
     chosen = _arm(run, arm)
@@ -57,6 +58,7 @@ def learn(
     return limits_of.learn(chosen, deviations(chosen, items(run), mounting=base))
 
 
+@of_any_maker
 def judge(
     path: str | os.PathLike[str],
     limits: TwinLimits | None = None,
@@ -74,7 +76,7 @@ def judge(
 
     Raises:
         ParameterError: the arm is not known.
-        RecordingError: the file is no recording.
+        RecordingError: the file is no recording, or has no samples of the state.
     """
     run = read(path)
     chosen = _arm(run, arm)
@@ -101,7 +103,10 @@ def _arm(run: RecordedRun, name: str | None) -> Arm:
 
 def items(run: RecordedRun) -> Sequence[TwinSample | TwinCommand]:
     """The samples and commands of a recording, in the order in which a twin takes them."""
-    found: list[TwinSample | TwinCommand] = [*_samples(run), *_commands(run)]
+    found: list[TwinSample | TwinCommand] = [*_samples(run)]
+    if not found:
+        raise RecordingError(f"{run.path} has no samples of the state: `aioduco record` takes them")
+    found += _commands(run)
     found.sort(key=lambda item: item.time - (AHEAD if isinstance(item, TwinCommand) else 0.0))
     return found
 

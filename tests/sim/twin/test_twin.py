@@ -13,6 +13,7 @@ import anyio.lowlevel
 import pytest
 from cli_runner import CliRunner
 from example_modules import example
+from recording.mcap_records import HEAD, channel
 
 import aioduco
 import aioduco.sync
@@ -162,6 +163,14 @@ async def test_the_example_runs(
     LIMITS.save(tmp_path / "limits.json")
     await program.main(sim.host, str(tmp_path / "limits.json"), sim.port)
     assert "divergences=0" in capsys.readouterr().out
+
+
+def test_a_recording_without_samples_is_not_judged(tmp_path: Path) -> None:
+    """One of a tap, which has calls alone, was said to show nothing that parted."""
+    path = tmp_path / "calls.mcap"
+    path.write_bytes(HEAD + channel(1, "/commands"))
+    told = CliRunner().invoke(app, ["twin", "--judge", str(path), "--arm", "gcr5_910"])
+    assert (told.exit_code, "no samples" in told.output) == (1, True), told.output
 
 
 @pytest.mark.slow
