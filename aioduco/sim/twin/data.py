@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from enum import Enum
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
@@ -90,6 +91,12 @@ class TwinSample(NamedTuple):
     safety: int
     collision: int
     led: bool = False
+
+    @property
+    def whole(self) -> bool:
+        """Whether the controller sent all numbers of the joints, the set-points and the pose."""
+        numbers = (self.joints, self.speeds, self.expected, self.expected_speeds, self.pose or ())
+        return all(math.isfinite(number) for part in numbers for number in part)
 
     @classmethod
     def of(

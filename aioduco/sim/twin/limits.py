@@ -190,7 +190,7 @@ def deviations(
     for item in items:
         if isinstance(item, TwinCommand):
             predictor.command(item)
-        else:
+        elif item.whole:
             found.append(predictor.deviation(item))
     return found
 

@@ -180,7 +180,13 @@ class TwinMonitor:
                 )  # fmt: skip
 
     def sample(self, sample: TwinSample) -> list[Divergence]:
-        """Take a sample; return what has parted."""
+        """Take a sample; return what has parted.
+
+        One in which a number is missing is left out.
+        """
+        if not sample.whole:
+            self.figures = TwinFigures(blind="the controller did not send all numbers")
+            return []
         deviation = self._predictor.deviation(sample)
         found, self._outcomes = self._outcomes, []
         at = sample.time

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
 import pytest
+from for_each import for_each
 
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.enums import RobotState, SafetyState
 from aioduco.sim.twin.data import Cause, Divergence, Quantity, TwinCommand
-from aioduco.sim.twin.limits import TwinLimits
+from aioduco.sim.twin.limits import TwinLimits, deviations, learn
 from aioduco.sim.twin.monitor import TwinMonitor
 
 from .arms import ARM, NOWHERE, READY, PerfectArm, movej2, work
@@ -210,6 +212,18 @@ def test_a_short_disturbance_is_nothing() -> None:
     normal, push = rubbing(), pushed((0.0, 10.0, 0.0), at=0.0)
     arm.torques = lambda q, qd, t: (push if 1.0 < t < 1.02 else normal)(q, qd, t)
     assert said(monitor(), work(arm, movej2(*THERE), movej2(*READY))) == []
+
+
+@for_each("part", ["joints", "speeds", "expected", "expected_speeds", "pose"])
+def test_a_sample_in_which_a_number_is_missing_hides_none_of_the_later_ones(part: str) -> None:
+    """After one the twin said no more about torques, with figures that were no numbers."""
+    arm, watching = PerfectArm(), monitor()
+    arm.torques = pushed((0.0, 0.0, -4.9), at=0.3)
+    items = list(work(arm, movej2(*THERE)))
+    items[5] = items[5]._replace(**{part: (math.nan,) * 6})
+    found = said(watching, items)
+    assert [each.cause for each in found] == [Cause.PAYLOAD]
+    assert learn(ARM, deviations(ARM, items * 5, NOWHERE)).learned > 0.0
 
 
 @pytest.mark.slow
