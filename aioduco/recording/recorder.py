@@ -99,7 +99,8 @@ class RecordingHandler(logging.Handler):
             text = record.getMessage()
             if record.exc_info and record.exc_info[1] is not None:
                 text += f" ({record.exc_info[1]!r})"
-            where = (record.name, text, record.pathname, record.lineno)
+            # A logger of a library in another language may know no place.
+            where = (record.name, text, record.pathname or "", record.lineno or 0)
             self._writer.put("line", at, record.levelno, *where)
         except Exception:
             self.handleError(record)

@@ -162,6 +162,17 @@ async def test_no_text_of_a_program_ends_a_recording(
     assert data(run, "/events")
 
 
+async def test_a_line_without_a_place_is_recorded(robot: aioduco.Robot, tmp_path: Path) -> None:
+    """Those of libraries in other languages have none: they ended the recording."""
+    nothing: Any = None
+    async with robot.record(tmp_path / "run.mcap") as recording:
+        line = logging.LogRecord("other", 20, nothing, nothing, "a line", (), None)
+        recording.handler.emit(line)
+    assert recording.error is None
+    (line_read,) = data(read(recording.path), "/log")
+    assert (line_read["message"], line_read["file"], line_read["line"]) == ("a line", "", 0)
+
+
 @pytest.mark.slow
 def test_a_line_that_python_would_show_is_shown_although_it_is_recorded(tmp_path: Path) -> None:
     code = (
