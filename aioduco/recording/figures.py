@@ -112,9 +112,9 @@ def _values(run: RecordedRun, topic: str, field: str) -> tuple[NDArray[Any], NDA
         if "/joint_setpoints" not in run.topics:
             return times, nothing
         wanted = run.arrays("/joint_setpoints")
-        count = min(len(times), len(wanted["time"]))
-        behind = arrays["position"][:count] - wanted["position"][:count]
-        return times[:count], np.where(np.abs(behind) < 1.5 * _STEP, 0.0, behind)
+        times, here, there = np.intersect1d(times, wanted["time"], return_indices=True)
+        behind = arrays["position"][here] - wanted["position"][there]
+        return times, np.where(np.abs(behind) < 1.5 * _STEP, 0.0, behind)
     if field not in arrays and f"{field}.x" in arrays:
         return times, np.column_stack([arrays[f"{field}.{axis}"] for axis in _XYZ]).astype(float)
     values = arrays.get(field, nothing)

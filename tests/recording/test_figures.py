@@ -179,6 +179,19 @@ def test_a_distance_of_one_step_of_a_recording_is_none(steps: int, shown: bool) 
     assert ("behind the set-points" in titles) is shown
 
 
+def test_joints_are_compared_with_the_set_points_of_the_same_time() -> None:
+    """They were with those of the same number, also if a channel had begun later."""
+
+    class Later(Plain):
+        topics: ClassVar = {"/joint_states": 3, "/joint_setpoints": 2}
+
+        def arrays(self, topic: str) -> dict[str, Any]:
+            times = np.array([0.0, 1.0, 2.0])[topic == "/joint_setpoints" :]
+            return {"time": times, "position": np.repeat(times[:, None], 6, axis=1)}
+
+    assert [panel.title for panel in panels(Later())] == ["joint angles"]  # type: ignore[arg-type]
+
+
 @pytest.mark.slow
 def test_no_legend_and_no_name_of_a_mark_lies_over_a_curve() -> None:
     pytest.importorskip("matplotlib")
