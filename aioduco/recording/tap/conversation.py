@@ -123,8 +123,10 @@ class Conversation:
             del self._states[connection]
             refused = kind is CopyKind.REFUSED
             end = f"the controller was not reached: {text}" if refused else f"closed by the {text}"
+            unread = CopyKind.ANSWER in state.lost
+            why = "not known whether it was answered" if unread else "no answer"
             for came, call in state.open:
-                yield _tapped(connection, came, call, None, f"no answer: {end}", None)
+                yield _tapped(connection, came, call, None, f"{why}: {end}", None)
             yield TapNote(connection, at, end)
 
     def _decode(

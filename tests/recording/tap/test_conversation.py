@@ -146,6 +146,16 @@ def test_copies_that_were_left_out_end_what_is_read() -> None:
     assert note.text.startswith("70000 bytes passed unseen")
 
 
+@for_each("copy", [(CopyKind.MISSED, b"70000"), (ANSWER, b"HTTP/1.1 200 OK\r\n")])
+def test_of_a_call_whose_answer_is_not_read_it_is_not_said_that_there_is_none(
+    copy: tuple[CopyKind, bytes],
+) -> None:
+    begun, ended = (1.0, REQUEST, call("power_on", 3, True)), (4.0, CopyKind.CLOSED, b"client")
+    _, told, _ = items(begun, (2.0, *copy), (3.0, ANSWER, answer("power_on", 3)), ended)
+    assert isinstance(told, TappedCall)
+    assert told.error == "not known whether it was answered: closed by the client"
+
+
 @given(
     name=st.sampled_from(sorted(functions())),
     body=st.binary(max_size=60),
