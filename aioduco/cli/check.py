@@ -177,7 +177,7 @@ def _motions(address: RobotAddress, path: Path, extent: Extent, *, yes: bool) ->
     )
     ask(what, "Move it?", yes=yes)
     with ended_by_errors("interrupted: the arm was stopped", address.where):
-        anyio.run(
+        path = anyio.run(
             measure,
             *(address.host, address.port, path, extent),
             lambda text: say(f"... {text}", error=True),

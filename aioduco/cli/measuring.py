@@ -86,7 +86,7 @@ class Extent:
 
 async def measure(
     host: str, port: int, path: Path, extent: Extent, progress: Callable[[str], object]
-) -> None:
+) -> Path:
     """Move an enabled arm around where it is, and record what is needed to calibrate it.
 
     Args:
@@ -95,6 +95,9 @@ async def measure(
         path: the recording.
         extent: how far and how long.
         progress: called with what is done next.
+
+    Returns:
+        The recording: another one than `path` if that existed.
 
     Raises:
         DucoError: the arm is not enabled, or a motion failed; the arm was stopped.
@@ -114,6 +117,7 @@ async def measure(
             await _corners(robot, start, extent, progress)
             await _changes(robot, extent, progress)
         await _lapses(robot, start, extent, progress)
+        return path if robot.recording is None else robot.recording.path
 
 
 async def _poses(

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from aioduco.envelope import Envelope
     from aioduco.models.pose import Joints
     from aioduco.sync import Robot
+    from aioduco.sync._generated_objects import Recording
 
 
 #: speed of the joint that turns farthest, on the way to the start of a recording [rad/s]
@@ -79,6 +80,7 @@ class PlayedFile:
             Simulator.spawn(**options) as sim,
             aioduco.sync.connect(sim.host, sim.port, clock=sim.clock, record=record) as robot,
         ):
+            _say_where(robot.recording)
             robot.bring_up()
             robot.envelope = self.envelope
             self._play(robot)
@@ -102,7 +104,8 @@ class PlayedFile:
             if self.record is None:
                 self._play(robot)
             else:
-                with robot.record(self.record):
+                with robot.record(self.record) as recording:
+                    _say_where(recording)
                     self._play(robot)
 
     def _against(self, robot: Robot) -> Iterable[object]:
@@ -140,6 +143,12 @@ class PlayedFile:
             return
         count = aioduco.sync.run_waypoints(robot, self.content, arm=self.model, speed=self.speed)
         say("1 waypoint was reached" if count == 1 else f"{count} waypoints were reached")
+
+
+def _say_where(recording: Recording | None) -> None:
+    """Tell the file, which has another name than was asked for if that existed."""
+    if recording is not None:
+        say(f"recording to {recording.path}")
 
 
 def _report(found: Iterable[object]) -> None:

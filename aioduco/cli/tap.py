@@ -96,7 +96,8 @@ def _file(
         yield _thrown_away
     elif path.suffix == ".mcap":
         extras.need("record")
-        with _recording(path, host, port) as record:
+        with _recording(path, host, port) as (kept, record):
+            say(f"recording to {kept}", error=True)
             yield record
     else:
         ended = False
@@ -123,7 +124,9 @@ def _thrown_away(_: TappedCall) -> None:
 
 
 @contextlib.contextmanager
-def _recording(path: Path, host: str, port: int) -> Iterator[Callable[[TappedCall], None]]:
+def _recording(
+    path: Path, host: str, port: int
+) -> Iterator[tuple[Path, Callable[[TappedCall], None]]]:
     from aioduco import __version__  # noqa: PLC0415 - for this command alone
     from aioduco.recording.writer import RecordingWriter  # noqa: PLC0415
 
@@ -153,7 +156,7 @@ def _recording(path: Path, host: str, port: int) -> Iterator[Callable[[TappedCal
         )
 
     try:
-        yield write
+        yield writer.path, write
     finally:
         writer.finish()
         writer.join(10.0)

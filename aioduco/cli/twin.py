@@ -117,7 +117,8 @@ def twin(
         _show_page(robot_at(host, port), known, arm, base, listen, seconds, as_json=json)
     with observing_session(robot_at(host, port), state_rate=rate) as robot, ExitStack() as stack:
         if output is not None:
-            stack.enter_context(robot.record(output))
+            recording = stack.enter_context(robot.record(output))
+            say(f"recording to {recording.path}", error=json)
         options: dict[str, Any] = {"action": action, "arm": arm, "mounting": base}
         made = stack.enter_context(robot.twin(known, commands=False, **options))
         shown = _Shown(made, as_json=json)

@@ -481,9 +481,11 @@ def test_a_gap_is_bridged_as_far_as_the_command_says(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_play_leads_a_simulated_arm_along_a_recording_and_records_it(tmp_path: Path) -> None:
     file = write(tmp_path / "run.mcap")
-    again = tmp_path / "again.mcap"
-    done = run("play", str(file), "--to", "1.3", "--record", str(again))
+    again = tmp_path / "again-1.mcap"
+    (tmp_path / "again.mcap").touch()
+    done = run("play", str(file), "--to", "1.3", "--record", str(tmp_path / "again.mcap"))
     assert done.exit_code == 0, done.output
+    assert f"recording to {again}" in done.stdout
     assert "played in" in done.stdout
     assert "mrad off at most" in done.stdout
     reached = RecordedPath.of(read(file), end=1.3).positions[-1]

@@ -266,12 +266,15 @@ def test_a_tap_that_is_open_starts_no_second_relay(listener: socket.socket) -> N
 @pytest.mark.slow
 @pytest.mark.parametrize("suffix", [".jsonl", ".mcap"])
 def test_the_command_shows_and_records_each_call(bench: Bench, tmp_path: Path, suffix: str) -> None:
-    file = tmp_path / f"calls{suffix}"
+    file = wanted = tmp_path / f"calls{suffix}"
+    if suffix == ".mcap":
+        wanted.touch()
+        file = tmp_path / "calls-1.mcap"
     command = [sys.executable, "-m", "aioduco.cli", "tap", bench.host, "--port", str(bench.port)]
     with ExitStack() as stack:
         program = stack.enter_context(
             subprocess.Popen(
-                [*command, "--listen", "127.0.0.1:0", "--only", "power_on", "-o", str(file)],
+                [*command, "--listen", "127.0.0.1:0", "--only", "power_on", "-o", str(wanted)],
                 stdout=subprocess.PIPE,
                 stderr=subprocess.PIPE,
                 text=True,
@@ -293,6 +296,7 @@ def test_the_command_shows_and_records_each_call(bench: Bench, tmp_path: Path, s
         program.send_signal(signal.SIGINT)
         lines += program.stdout.readlines()
         assert program.wait(PATIENCE) == 0, program.stderr.read()
+        assert (f"recording to {file}\n" in program.stderr.read()) is (suffix == ".mcap")
     assert sum("power_on(block=False) -> " in line for line in lines) == 1
     assert not any("get_robot_state" in line for line in lines)
     if suffix == ".mcap":

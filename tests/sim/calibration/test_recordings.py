@@ -104,6 +104,20 @@ async def test_an_arm_that_is_not_enabled_is_not_moved(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+def test_the_name_of_the_recording_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The name that was asked for was told, and an older recording would have been calibrated."""
+    for step in ("_poses", "_turns", "_updates", "_corners", "_changes", "_lapses"):
+        monkeypatch.setattr(measuring, step, AsyncMock())
+    (tmp_path / "run.mcap").touch()
+    with Simulator(joints=READY) as sim:
+        with aioduco.sync.connect(sim.host, sim.port) as robot:
+            robot.bring_up()
+        words = ["check", f"{sim.host}:{sim.port}", "--motions", str(tmp_path / "run.mcap")]
+        outcome = CliRunner().invoke(app, [*words, "--yes"])
+    assert f"`aioduco calibrate {tmp_path / 'run-1.mcap'}`" in " ".join(outcome.output.split())
+
+
+@pytest.mark.slow
 def test_the_motions_are_asked_for(tmp_path: Path) -> None:
     with Simulator(joints=READY) as sim:
         words = ["check", f"{sim.host}:{sim.port}", "--motions", str(tmp_path / "run.mcap")]
