@@ -14,7 +14,7 @@ import math
 import struct
 import time
 from importlib import resources
-from typing import TYPE_CHECKING, Any, Final, Protocol
+from typing import TYPE_CHECKING, Any, BinaryIO, Final, Protocol
 
 import foxglove
 from foxglove.channels import FrameTransformsChannel, LogChannel
@@ -393,16 +393,27 @@ def write_indexed(
         metadata: texts by the name of their record.
 
     Raises:
-        OSError: the file exists, or cannot be written.
+        OSError: the file exists, or cannot be written; there is none then.
     """
+    file = open(path, "xb", opener=private)  # noqa: SIM115 - closed below
+    try:
+        with file:
+            _write_indexed(file, messages, metadata)
+    except BaseException as error:
+        path.unlink(missing_ok=True)
+        if isinstance(error, RuntimeError):  # the library has no other error for this
+            raise OSError(str(error)) from error
+        raise
+
+
+def _write_indexed(
+    file: BinaryIO, messages: Iterable[McapMessage], metadata: Mapping[str, dict[str, str]]
+) -> None:
     context = foxglove.Context()
     options = MCAPWriteOptions(profile="aioduco", compression=MCAPCompression.Zstd)
     channels: dict[McapChannel, foxglove.Channel] = {}
     try:
-        with (
-            open(path, "xb", opener=private) as file,
-            foxglove.open_mcap(file, context=context, writer_options=options) as writer,
-        ):
+        with foxglove.open_mcap(file, context=context, writer_options=options) as writer:
             for name, texts in metadata.items():
                 writer.write_metadata(name, texts)
             for message in messages:

@@ -7,7 +7,7 @@ import csv
 import json
 import struct
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 import pytest
@@ -292,6 +292,21 @@ def test_an_index_is_added_and_nothing_else(whole: Path, run: RecordedRun, tmp_p
     assert not part.complete
     mended = read(part.to_mcap(tmp_path / "mended.mcap"))
     assert list(mended.messages()) == list(part.messages())
+
+
+def test_an_index_that_cannot_be_written_leaves_no_file(
+    run: RecordedRun, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The library's error was raised, and its part of a file stood in the way of the next one."""
+
+    def full(file: BinaryIO, **_: object) -> None:
+        file.write(MAGIC)
+        raise RuntimeError("I/O error from writing")
+
+    monkeypatch.setattr("foxglove.open_mcap", full)
+    with pytest.raises(aioduco.RecordingError, match=r"x\.mcap cannot be written: I/O error"):
+        run.to_mcap(tmp_path / "x.mcap")
+    assert not (tmp_path / "x.mcap").exists()
 
 
 def test_values_become_what_json_knows() -> None:
