@@ -9,7 +9,7 @@ Guarantees:
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import anyio
 
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from aioduco import Robot, WorkerOptions
 
 
+_Frame: TypeAlias = Literal["base", "tool"]
 _log = BackgroundLogger(__name__)
 _ACCELERATION, _TURN_ACCELERATION = 1.0, 4.0  # m/s², rad/s²
 _STILL = (0.0,) * 6
@@ -54,10 +55,10 @@ class TwistCommands(StreamedCommands):
         options: WorkerOptions | None = None,
     ) -> None:
         super().__init__(robot, _log, busy=busy, timeout=timeout, options=options)
-        self._frames: dict[str, Literal["base", "tool"]] = dict.fromkeys(("", base), "base")
+        self._frames: dict[str, _Frame] = dict.fromkeys(("", base), "base")
         self._frames |= dict.fromkeys(tips, "tool")
-        self._newest: tuple[float, ...] | None = None
-        self._frame: Literal["base", "tool"] = "base"
+        #: the newest command, and the frame of its axes
+        self._newest: tuple[_Frame, tuple[float, ...]] | None = None
 
     def take(self, twist: Sequence[float], frame: str = "") -> bool:
         """Take a command; only the newest counts. Return whether it may be followed.
@@ -76,10 +77,7 @@ class TwistCommands(StreamedCommands):
         self._note_command()
         if self._blocked or (not self.following and self._busy()):
             return False
-        if self.following and axes != self._frame:
-            self._came = -math.inf  # this stream ends; the next has the other frame
-            return False
-        self._newest, self._frame = tuple(twist), axes
+        self._newest = axes, tuple(twist)
         self._changed.set()
         return True
 
@@ -90,32 +88,35 @@ class TwistCommands(StreamedCommands):
     async def run(self) -> None:
         """Follow commands until this is cancelled; the arm then comes to rest."""
         while True:
-            if self._newest is None or self._newest == _STILL:
+            if self._newest is None or self._newest[1] == _STILL:
                 self._newest, self._changed = None, anyio.Event()
                 await self._changed.wait()
                 continue
             try:
-                await self._follow()
+                await self._follow(self._newest[0])
             except DucoError as error:
                 self._block()
                 _log.warning("twist commands: %s", error)
             self._newest = None
 
-    async def _follow(self) -> None:
-        """Follow commands in one stream until they cease."""
+    async def _follow(self, frame: _Frame) -> None:
+        """Follow commands of one frame in one stream, until they cease or have another one."""
         try:
             async with self._robot.speed.linear(
                 a=_ACCELERATION,
                 turn_a=_TURN_ACCELERATION,
-                frame=self._frame,
+                frame=frame,
                 hold=2.0 * self._timeout,
                 options=self._options,
             ) as stream:
                 self._opened()
                 while anyio.current_time() - self._came < self._timeout:
-                    newest, self._changed = self._newest or _STILL, anyio.Event()
+                    axes, twist = self._newest or (frame, _STILL)
+                    if axes != frame:
+                        break  # the next stream has the other one
+                    self._changed = anyio.Event()
                     try:
-                        await stream.send(newest)
+                        await stream.send(twist)
                     except ParameterError as error:
                         self._warn("out of range", "twist refused: %s", error)
                     with anyio.move_on_after(self._timeout):

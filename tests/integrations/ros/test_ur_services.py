@@ -7,6 +7,7 @@ from collections.abc import AsyncIterator, Generator, Iterator
 from types import SimpleNamespace
 from typing import Any
 
+import anyio
 import numpy as np
 import pytest
 from for_each import for_each
@@ -211,6 +212,25 @@ async def test_twists_move_the_tool_while_they_arrive(node: ArmNode, sim: Simula
     after = await node.robot.state.get_tcp_pose()
     assert after.z - before.z > 0.005
     assert abs(after.x - before.x) + abs(after.y - before.y) < 0.005
+
+
+@pytest.mark.slow
+async def test_a_twist_is_followed_along_no_axes_but_its_own(sim: Simulator) -> None:
+    """Also one that comes while the stream of another frame opens, or is followed."""
+    up = [0.0, 0.0, 0.05, 0.0, 0.0, 0.0]  # along z; the tool's points down
+    async with running(sim, command_timeout=10.0) as node:
+        before = await node.robot.state.get_tcp_pose()
+        assert node.twists.take(up)
+        await anyio.wait_all_tasks_blocked()  # its stream opens
+        node.twists.take(up, "tool0")
+        await eventually_async(lambda: node.twists.following)
+        await eventually_async(lambda: not node.twists.following)
+        after = await node.robot.state.get_tcp_pose()
+        assert after.almost_equal(before, position=1e-3, rotation=1e-2)
+        assert node.twists.take(up)
+        await eventually_async(lambda: node.twists.following and sim.moving)
+        node.twists.take(up, "tool0")
+        await eventually_async(lambda: not node.twists.following, 8.0)
 
 
 @pytest.mark.slow
