@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import errno
+import math
 import os
 import select
 import sys
@@ -23,6 +24,8 @@ _MAKERS = {0x046D: "Logitech", 0x256F: "3Dconnexion"}  # SpaceMice have been sol
 _MOST = 4096
 #: reads at a time, and reports: a person or a device causes a few between two readings
 _READS, _REPORTS = 16, 256
+#: seconds between two readings from which on what came meanwhile may be long past
+_UNREAD = 0.5
 
 
 class _Meaning(Protocol):
@@ -54,6 +57,7 @@ class InputDevice(Uncopied):
         self._path = path
         self._descriptor = descriptor
         self._whole = whole
+        self._read_at = -math.inf
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self._path or 'of a terminal'}>"
@@ -77,6 +81,7 @@ class InputDevice(Uncopied):
                 ) from exc
         # without what the device did the last time, such as its end
         self._meaning = copy.deepcopy(self._fresh)
+        self._read_at = -math.inf
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -90,7 +95,9 @@ class InputDevice(Uncopied):
 
         If the device is gone (unplugged, a closed terminal), the reading is not `held`, and `done`.
         If it sends more than can be read at a time (a file, a stuck key), the newest bytes are not
-        known: the reading is not `held`, as if it was let go.
+        known: the reading is not `held`, as if it was let go. What came before the first reading,
+        or in more than 0.5 s without one, counts as of the begin of that time: a key or a cap is
+        `held` only if it sends further bytes, since it may have been let go meanwhile.
 
         Args:
             now: time of any clock that does not go back [s].
@@ -100,6 +107,8 @@ class InputDevice(Uncopied):
         """
         if self._descriptor < 0:
             raise ParameterError("device", repr(self), "open: use it in `with`")
+        came = now if now - self._read_at <= _UNREAD else self._read_at
+        self._read_at = now
         waits = select.poll()  # select() takes no descriptor above 1023
         waits.register(self._descriptor, select.POLLIN)
         for _ in range(_REPORTS if self._whole else _READS):
@@ -113,7 +122,7 @@ class InputDevice(Uncopied):
                 if exc.errno not in (errno.ENODEV, errno.EIO, errno.EBADF):
                     raise
                 data = b""
-            self._meaning.feed(data, now)
+            self._meaning.feed(data, came)
             if not data:
                 break
         else:

@@ -19,6 +19,7 @@ from for_each import for_each
 
 from aioduco.devices.teleoperation import (
     GamepadDevice,
+    InputDevice,
     JointTarget,
     KeyboardDevice,
     Reading,
@@ -265,6 +266,7 @@ def test_a_device_that_is_opened_again_knows_nothing_of_the_last_time(tmp_path: 
             os.write(writer, b"q")
             assert keys.read(0.0).done
         with keys:
+            assert not keys.read(1.0).done
             os.write(writer, b"w")
             assert keys.read(1.0) == Reading((1, 0, 0, 0, 0, 0), held=True)
         with pad:
@@ -273,6 +275,30 @@ def test_a_device_that_is_opened_again_knows_nothing_of_the_last_time(tmp_path: 
         with pad:
             os.write(plug, event(1 | 0x80, 4, 1))
             assert not pad.read(1.0).held
+    finally:
+        for each in (reader, writer, plug):
+            os.close(each)
+
+
+@pytest.mark.linux("devices that are files")
+def test_what_came_while_nobody_read_counts_only_if_it_goes_on(tmp_path: Path) -> None:
+    """A key that was typed while the arm was brought up moved it, and a cap that was let go."""
+    path = tmp_path / "hidraw0"
+    os.mkfifo(path)
+    plug = os.open(path, os.O_RDWR)
+    reader, writer = os.pipe()
+    devices: list[tuple[InputDevice, int, bytes]] = [
+        (KeyboardDevice(reader), writer, b"w"),
+        (SpaceMouseDevice(path), plug, report(1, 0, -350, 0)),
+    ]
+    try:
+        for device, end, sign in devices:
+            with device:
+                for now in (5.0, 9.0):
+                    os.write(end, sign)
+                    assert not device.read(now).held
+                    os.write(end, sign)
+                    assert device.read(now + 0.02).held
     finally:
         for each in (reader, writer, plug):
             os.close(each)
@@ -297,6 +323,8 @@ def test_input_that_never_ends_is_not_held_and_holds_up_nobody() -> None:
             assert (found.held, found.axes) == (False, STANDING)
             assert len(fed) < 100
         with KeyboardDevice(reader) as device:
+            device.read(0.0)
+            os.write(writer, b"w")
             assert device.read(0.1).held, "what was left is read, and then the key is known"
     finally:
         os.close(reader)
@@ -343,6 +371,7 @@ def test_a_terminal_that_is_closed_ends_the_keyboard_without_an_error() -> None:
     ours, theirs = pty.openpty()
     try:
         with KeyboardDevice(theirs) as keys:
+            keys.read(0.0)
             os.write(ours, b"w")
             eventually(lambda: keys.read(0.0).held)
             os.close(ours)
@@ -357,8 +386,9 @@ def test_a_device_is_read_in_a_program_with_thousands_of_descriptors() -> None:
     reads, writes = os.pipe()
     high = fcntl.fcntl(reads, fcntl.F_DUPFD_CLOEXEC, 1050)
     try:
-        os.write(writes, b"w")
         with KeyboardDevice(high) as keys:
+            keys.read(0.0)
+            os.write(writes, b"w")
             assert keys.read(0.0).held
             os.close(high)
             assert keys.read(1.0) == Reading(done=True)

@@ -112,10 +112,11 @@ async def test_joints_are_turned_and_a_wrong_scale_is_refused(pipe: tuple[int, i
     reader, writer = pipe
     async with ready() as (sim, robot):
         before = np.array(sim.joints)
-        seen = []
-        os.write(writer, b"u")  # the sixth axis
+        seen: list[Reading] = []
 
         def look(reading: Reading) -> None:
+            if not seen:
+                os.write(writer, b"u")  # the sixth axis
             seen.append(reading)
             if abs(np.array(sim.joints)[5] - before[5]) > 0.01:
                 os.write(writer, b"q")
