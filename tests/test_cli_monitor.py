@@ -293,6 +293,26 @@ async def test_a_monitor_looks_on_and_disturbs_nobody(bench: Bench) -> None:
     assert len(bench.received("stop")) == stops, "leaving stops nothing"
 
 
+async def test_what_was_typed_before_the_arm_is_shown_resumes_nothing(bench: Bench) -> None:
+    """As a line that was pasted behind the command: an R in it moved a paused arm."""
+    robot = aioduco.connect(bench.host, bench.port, heartbeat=None, lag_limit=None)
+    states: list[MonitorState] = []
+    ours, keyboard = os.pipe()
+    try:
+        os.write(keyboard, b"r")
+        async with anyio.create_task_group() as watching:
+            watching.start_soon(MonitorClient(robot, "left", ours, states.append).watch)
+            await eventually_async(lambda: states and states[-1].notice is not None)
+            assert bench.received("resume") == ()
+            await eventually_async(lambda: states[-1].sample is not None)
+            os.write(keyboard, b"r")
+            await eventually_async(lambda: bench.received("resume"))
+            os.write(keyboard, b"q")
+    finally:
+        os.close(ours)
+        os.close(keyboard)
+
+
 # -- in a terminal -------------------------------------------------------------------------------
 
 

@@ -188,7 +188,11 @@ class MonitorClient:
 
     def _begin(self, key: Key, work: anyio.abc.TaskGroup) -> None:
         """Start the command of a key, unless it is running already."""
-        if key not in self._doing:
+        if key is Key.RESUME and self._state.sample is None:
+            # typed, or pasted with other lines, before anybody saw what would go on
+            text = "nothing was resumed: the key came before the arm was shown"
+            self._change(notice=self._tell(text, "warning"))
+        elif key not in self._doing:
             self._doing.append(key)
             work.start_soon(self._carry_out, key)
 
