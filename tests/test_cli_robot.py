@@ -351,6 +351,25 @@ def test_an_arm_that_was_moved_during_the_question_is_not_moved(
 
 
 @pytest.mark.slow
+def test_a_tool_that_came_into_use_during_the_question_is_not_moved(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The arm turned over to bring its tip to where the flange was to stay."""
+    with ready_arm(speed=math.inf) as sim:
+
+        def confirm(*_: object, **__: object) -> bool:
+            with aioduco.sync.connect(sim.host, sim.port, heartbeat=None) as robot:
+                robot.frames.set_tool_data("long", (0, 0, 0.2, 0, 0, 0), (1, 0, 0, 0.1))
+            return True
+
+        monkeypatch.setattr("typer.confirm", confirm)
+        words = ("move", "pose", "0", "0", "0", "0", "0", "0", "--by", "--joints")
+        done = run(*words, *address(sim))
+        assert (done.exit_code, "its tool" in done.stderr) == (1, True), done.output
+        assert sim.joints.almost_equal(HOME, 1e-3)
+
+
+@pytest.mark.slow
 def test_the_tool_is_moved_and_jogged() -> None:
     with ready_arm() as sim:
         begin = json.loads(run("status", at(sim), "--json").stdout)["pose"]

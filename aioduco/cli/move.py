@@ -157,7 +157,7 @@ to     {pose_line([*target])}
     ask(text, "Move the arm?", yes=yes)
 
     def go(robot: Robot) -> Outcome:
-        require_still_at(robot, found["joints"])
+        require_still_at(robot, found["joints"], here)
         if curved:
             return robot.motion.movej_pose2(target, v=0.3, a=0.5)
         return robot.motion.movel(target, v=speed, a=acceleration)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from aioduco.cli.addresses import RobotAddress
     from aioduco.envelope import Envelope
-    from aioduco.models.pose import JointsLike
+    from aioduco.models.pose import JointsLike, Pose
     from aioduco.sync import Robot
 
 
@@ -30,6 +30,8 @@ _LOOK: Final = 0.1
 _SILENT: Final = 1.0
 #: difference of a joint from which an arm is elsewhere [rad]
 _ELSEWHERE: Final = 0.01
+#: distance of a tool's tip from which it is elsewhere [m]
+_ELSEWHERE_LINE: Final = 0.002
 
 
 @contextmanager
@@ -73,15 +75,28 @@ def control_session(address: RobotAddress, **options: Any) -> Iterator[Robot]:
             yield robot
 
 
-def require_still_at(robot: Robot, joints: JointsLike) -> None:
-    """End the command if the arm is no longer where the question before a motion was about [rad].
+def require_still_at(robot: Robot, joints: JointsLike, pose: Pose | None = None) -> None:
+    """End the command if the arm is no longer where the question before a motion was about.
 
-    A person may take minutes for the answer, in which another program or a hand moves the arm.
+    A person may take minutes for the answer, in which another program or a hand moves the arm, or
+    puts another tool or work object into use.
+
+    Args:
+        robot: the robot.
+        joints: joint angles of the arm at the question [rad].
+        pose: pose of its tool in the work object then, if the motion depends on it.
     """
+    what = ""
     if not robot.state.get_actual_joints_position().almost_equal(joints, _ELSEWHERE):
+        what = "the arm"
+    elif pose is not None and not robot.state.get_tcp_pose_coord().almost_equal(
+        pose, position=_ELSEWHERE_LINE, rotation=_ELSEWHERE
+    ):
+        what = "the tip of its tool, or its work object,"
+    if what:
         fail(
-            "the arm is elsewhere than when the question was asked: nothing was sent that moves "
-            "it. Give the command again"
+            f"{what} is elsewhere than when the question was asked: nothing was sent that moves "
+            "the arm. Give the command again"
         )
 
 
