@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Self
 
@@ -85,7 +86,8 @@ class FleetClient(Uncopied):
         self._keys = read_keys(settings.keys) if settings.keys else {}
         self._link = FleetLink(settings, listens=False)
         self._present: set[str] = set()
-        self._reports: dict[str, GatewayReport] = {}
+        #: the newest report of each gateway, and when it came on the event loop's clock [s]
+        self._reports: dict[str, tuple[float, GatewayReport]] = {}
         self._changed = anyio.Event()
 
     async def __aenter__(self) -> Self:
@@ -125,7 +127,7 @@ class FleetClient(Uncopied):
         except MessageRefused:
             return  # counts as silent, and so as missing
         if report.gateway == gateway:
-            self._reports[gateway] = report
+            self._reports[gateway] = anyio.current_time(), report
             self._wake()
 
     def _wake(self) -> None:
@@ -136,23 +138,32 @@ class FleetClient(Uncopied):
         return tuple(sorted((self._present | {*self._settings.expect}) - {*found}))
 
     async def status(self, timeout: float = 3.0) -> FleetView:
-        """Wait until every gateway has reported, and return the state of the fleet.
+        """Wait until every gateway has reported once more, and return the state of the fleet.
 
         Args:
-            timeout: time after which gateways without a report are missing [s].
+            timeout: time after which gateways without a report since the call are missing [s].
 
         Raises:
             ParameterError: the time is not above 0.
         """
         _require_time(timeout)
-        await self._until(lambda: not self._missing(self._reports), timeout)
-        return self.view
+        begin = anyio.current_time()
+        await self._until(lambda: not self._view(begin).missing, timeout)
+        return self._view(begin)
 
     @property
     def view(self) -> FleetView:
-        """Known state of the fleet at this moment."""
-        found = tuple(self._reports[name] for name in sorted(self._reports))
-        return FleetView(found, self._missing(self._reports))
+        """Known state of the fleet at this moment, however old: each arm has its age."""
+        return self._view(-math.inf)
+
+    def _view(self, since: float) -> FleetView:
+        """The state by reports that came since then, on the event loop's clock [s]."""
+        now = anyio.current_time()
+        found = [
+            report.older(now - came) for came, report in self._reports.values() if came >= since
+        ]
+        found.sort(key=lambda report: report.gateway)
+        return FleetView(tuple(found), self._missing(report.gateway for report in found))
 
     async def stop(self, arms: Iterable[str] | None = None, timeout: float = 6.0) -> FleetStop:
         """Stop arms, and wait until all gateways have answered.

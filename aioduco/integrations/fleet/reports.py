@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from aioduco.integrations.fleet.settings import is_name
@@ -169,6 +169,11 @@ class GatewayReport:
             for arm in self.arms
         ]
         return _encoded(gateway=self.gateway, number=self.number, arms=arms)
+
+    def older(self, seconds: float) -> GatewayReport:
+        """The same some time later: the values of its arms are older by that [s]."""
+        arms = (replace(a, seconds=a.seconds + seconds) if a.robot else a for a in self.arms)
+        return replace(self, arms=tuple(arms))
 
     @classmethod
     def decode(cls, data: bytes) -> GatewayReport:

@@ -444,6 +444,26 @@ async def test_the_error_of_a_block_leaves_it_as_it_is() -> None:
     assert raised.value is wrong
 
 
+async def test_a_gateway_that_tells_its_state_no_more_is_missing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Its connections live on while its program hangs: its last state was taken for the present."""
+    with Simulator() as sim:
+        arms = (ArmSettings("left", sim.host, sim.port),)
+        settings = FleetSettings("hall", gateway="cell", listen=(free_endpoint(),), arms=arms)
+        async with FleetGateway(settings), FleetClient(settings) as client:
+
+            def age() -> float:
+                return max((a.seconds for g in client.view.gateways for a in g.arms), default=0.0)
+
+            await eventually_async(lambda: age() > 0.0)
+            assert not (await client.status(60.0)).missing
+            monkeypatch.setattr(FleetLink, "publish_state", lambda *_: None)
+            await eventually_async(lambda: age() > 1.0)
+            view = await client.status(0.1)
+            assert (view.gateways, view.missing) == ((), ("cell",))
+
+
 async def test_a_client_can_be_used_again_but_not_opened_twice() -> None:
     settings = FleetSettings("hall", gateway="cell", listen=(free_endpoint(),))
     async with FleetGateway(settings):
