@@ -20,6 +20,7 @@ import anyio
 import pytest
 import typer
 from cli_runner import CliRunner
+from client.bench import Bench
 from for_each import for_each
 from interpreter import python
 from moments import complaints
@@ -460,6 +461,23 @@ def test_a_call_that_moves_the_arm_asks_first() -> None:
         done = run(*motion, *port, "--yes")
         assert (done.exit_code, done.stdout) == (0, "Outcome.FINISHED\n")
         assert sim.joints.j1 == pytest.approx(0.3, abs=1e-3)
+
+
+@for_each(
+    "words, beats",
+    [
+        ("get_tcp_pose", False),
+        ("set_standard_digital_out 1 true --yes", False),
+        ("pause --yes", False),
+        ("movej2 [0,0,1.5,0,-1.5,0] v=1 a=1 --yes", True),
+    ],
+)
+def test_a_call_that_moves_nothing_sends_no_heartbeat(words: str, beats: bool) -> None:
+    """Its end stopped the arm of another program, or of the pendant, that sends none."""
+    with Bench() as bench:
+        done = run("call", *words.split(), "--host", f"{bench.host}:{bench.port}")
+        assert done.exit_code == 0, done.output
+        assert bool(bench.received("rpc_heartbeat")) == beats
 
 
 def test_every_function_of_the_robot_can_be_called_by_its_name() -> None:

@@ -10,11 +10,11 @@ from typing import Annotated, Any, Final
 import typer
 
 from aioduco.cli.addresses import CellFile, HostOption, Port, robot_at
-from aioduco.cli.exit_codes import ended_by_errors, fail
+from aioduco.cli.exit_codes import fail
 from aioduco.cli.options import Json, refuse_unused
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import ask
-from aioduco.cli.sessions import limits_at
+from aioduco.cli.sessions import control_session, observing_session
 from aioduco.models.similar import did_you_mean
 
 #: function of the manual that is no call here -> what a user of commands has instead
@@ -24,6 +24,8 @@ _INSTEAD: Final = {
     "get_version": "`aioduco --version` shows it",
     "move_jog": "`aioduco jog` carries it out",
 }
+#: functions that set the arm moving, besides those that can be started as tasks
+_MOVES: Final = ("robot.resume", "robot.motion.replay")
 
 
 def _functions(incomplete: str) -> list[str]:
@@ -57,7 +59,7 @@ def call(
     aioduco call movel --describe
 
     Exit codes: 0 called; 1 it failed, or no controller; 2 wrong options; 3 not confirmed; 4 it is
-    not known that the arm stands; 130, 143 Ctrl-C or SIGTERM: the arm was stopped.
+    not known that the arm stands; 130, 143 Ctrl-C or SIGTERM: what it moved was stopped.
 
     Args:
         name: The function, as the manual or the wire names it.
@@ -97,11 +99,11 @@ def call(
     shown = [*map(repr, positional), *(f"{key}={value!r}" for key, value in named.items())]
     if not call_kind(SPELLINGS.get(name, name)).repeatable:
         ask(f"{where}({', '.join(shown)}) on {address}", "Go on?", yes=yes)
+    moves = hasattr(function, "start") or where in _MOVES
+    session = control_session if moves else observing_session
     try:
-        with ended_by_errors("interrupted: what moved was stopped", address.where), robot:
-            if (limits := limits_at(address)) is not None:
-                robot.envelope = limits
-            result = function(*positional, **named)
+        with session(address) as robot:
+            result = function_of(robot, where)(*positional, **named)
     except TypeError as error:
         fail(f"{name}: {error}")
     if json:
