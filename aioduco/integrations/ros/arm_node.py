@@ -219,7 +219,8 @@ class ArmNode:
         self.twists: TwistCommands = TwistCommands(
             robot,
             base=settings.base_frame,
-            tips=[settings.prefix + tip for tip in ("tcp_controller", "tcp", "tool0")],
+            tips=[settings.prefix + tip for tip in ("tcp_controller", "tcp")],
+            flange=settings.prefix + "tool0",
             busy=lambda: self.goals.busy or self.commands.following,
             timeout=settings.command_timeout,
             options=options,

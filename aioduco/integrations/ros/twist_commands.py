@@ -16,6 +16,7 @@ import anyio
 from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import DucoError, ParameterError
 from aioduco.integrations.ros.streamed_commands import StreamedCommands
+from aioduco.models.quaternions import from_rpy, inverse, rotated
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from aioduco import Robot, WorkerOptions
 
 
-_Frame: TypeAlias = Literal["base", "tool"]
+_Frame: TypeAlias = Literal["base", "tool", "flange"]
 _log = BackgroundLogger(__name__)
 _ACCELERATION, _TURN_ACCELERATION = 1.0, 4.0  # m/s², rad/s²
 _STILL = (0.0,) * 6
@@ -35,7 +36,8 @@ class TwistCommands(StreamedCommands):
     Args:
         robot: the robot, open.
         base: frame of the arm's base; commands without a frame are in it, too.
-        tips: frames at the tool.
+        tips: frames at the tool's tip.
+        flange: frame at the flange, from whose axes those of the tool may be turned.
         busy: returns whether something else uses the arm, such as a trajectory goal.
         timeout: time without commands after which the stream ends [s].
         options: options of the stream; None: in a separate process.
@@ -50,13 +52,14 @@ class TwistCommands(StreamedCommands):
         *,
         base: str,
         tips: Sequence[str],
+        flange: str,
         busy: Callable[[], bool],
         timeout: float,
         options: WorkerOptions | None = None,
     ) -> None:
         super().__init__(robot, _log, busy=busy, timeout=timeout, options=options)
         self._frames: dict[str, _Frame] = dict.fromkeys(("", base), "base")
-        self._frames |= dict.fromkeys(tips, "tool")
+        self._frames |= {**dict.fromkeys(tips, "tool"), flange: "flange"}
         #: the newest command, and the frame of its axes
         self._newest: tuple[_Frame, tuple[float, ...]] | None = None
 
@@ -101,11 +104,15 @@ class TwistCommands(StreamedCommands):
 
     async def _follow(self, frame: _Frame) -> None:
         """Follow commands of one frame in one stream, until they cease or have another one."""
+        turn = from_rpy(0.0, 0.0, 0.0)
+        if frame == "flange":  # a stream has the axes of the tool
+            offset = await self._robot.frames.get_tcp_offset()
+            turn = inverse(from_rpy(*offset[3:]))
         try:
             async with self._robot.speed.linear(
                 a=_ACCELERATION,
                 turn_a=_TURN_ACCELERATION,
-                frame=frame,
+                frame="base" if frame == "base" else "tool",
                 hold=2.0 * self._timeout,
                 options=self._options,
             ) as stream:
@@ -116,7 +123,7 @@ class TwistCommands(StreamedCommands):
                         break  # the next stream has the other one
                     self._changed = anyio.Event()
                     try:
-                        await stream.send(twist)
+                        await stream.send((*rotated(turn, twist[:3]), *rotated(turn, twist[3:])))
                     except ParameterError as error:
                         self._warn("out of range", "twist refused: %s", error)
                     with anyio.move_on_after(self._timeout):

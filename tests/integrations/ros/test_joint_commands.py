@@ -105,7 +105,7 @@ async def test_a_driver_that_stood_still_takes_that_for_no_end_of_the_commands()
     robot: Any = None
     given: dict[str, Any] = {"busy": lambda: False, "options": None, "timeout": 0.5}
     joints = JointCommands(robot, PROFILE, rate=100.0, hold=False, reach=0.1, **given)
-    twists = TwistCommands(robot, base="base", tips=(), **given)
+    twists = TwistCommands(robot, base="base", tips=(), flange="tool0", **given)
     taken: list[tuple[StreamedCommands, Callable[[], bool]]] = [
         (joints, lambda: joints.take(NAMES, START)),
         (twists, lambda: twists.take((0.0,) * 6)),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 from collections.abc import AsyncIterator, Generator, Iterator
 from types import SimpleNamespace
 from typing import Any
@@ -231,6 +232,23 @@ async def test_a_twist_is_followed_along_no_axes_but_its_own(sim: Simulator) -> 
         await eventually_async(lambda: node.twists.following and sim.moving)
         node.twists.take(up, "tool0")
         await eventually_async(lambda: not node.twists.following, 8.0)
+
+
+@pytest.mark.slow
+async def test_the_axes_of_tool0_are_those_of_the_flange_however_the_tool_is_turned() -> None:
+    with Simulator() as sim:
+        async with running(sim) as node:
+            offset = (0.0, 0.0, 0.1, math.pi / 2, 0.0, 0.0)
+            assert (await node.services.set_tool("turned", offset, 1.0, (0.0, 0.0, 0.05))).success
+            before = np.array(sim.arm.fkine(sim.joints))
+
+            def moved() -> Any:
+                node.twists.take([0.0, 0.0, 0.05, 0.0, 0.0, 0.0], "tool0")
+                return np.array(sim.arm.fkine(sim.joints))[:3, 3] - before[:3, 3]
+
+            await eventually_async(lambda: np.linalg.norm(moved()) > 0.01)
+            way = moved()
+            np.testing.assert_allclose(way / np.linalg.norm(way), before[:3, 2], atol=0.1)
 
 
 @pytest.mark.slow
