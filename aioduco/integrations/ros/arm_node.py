@@ -271,7 +271,7 @@ class ArmNode:
                 )
                 self._count += 1
                 if self.settings.wrench:
-                    force = await state.get_tcp_force()
+                    force = await state.get_tcp_force_tool()
                     sink.wrench(time.monotonic(), force.tolist())
             except DucoError as error:
                 _log.debug("no joint states: %s", error)

@@ -420,6 +420,20 @@ async def test_what_is_published(node: ArmNode, sim: Simulator, sink: Sink) -> N
     assert diagnosis(None, None, time.monotonic(), 0.0).level == DiagnosisLevel.STALE
 
 
+@pytest.mark.slow
+async def test_the_force_is_along_the_axes_of_its_frame(
+    node: ArmNode, sim: Simulator, sink: Sink
+) -> None:
+    """Its message is in `tcp_controller`; the tool looks down."""
+    sim.push([0.0, 0.0, -10.0, 0.0, 0.0, 0.0])
+    try:
+        await eventually_async(lambda: sink.forces and abs(sink.forces[-1][2]) > 9.0)
+        along = np.array(sim.arm.fkine(sim.joints))[:3, :3].T @ [0.0, 0.0, -10.0]
+        await eventually_async(lambda: np.allclose(sink.forces[-1][:3], along, atol=0.3))
+    finally:
+        sim.push([0.0] * 6)
+
+
 ANGLE = st.floats(-math.pi, math.pi) | st.sampled_from([0.0, math.pi / 2, -math.pi / 2, math.pi])
 POSE = st.builds(Pose, *[st.floats(-1.0, 1.0)] * 3, *[ANGLE] * 3)
 
