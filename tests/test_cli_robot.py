@@ -324,8 +324,9 @@ def test_a_move_says_what_turns_and_asks() -> None:
         ("move", "joints", "0", "0", "0", "0", "0", "0.1", "--by", "--host"),
         ("move", "pose", "0", "0", "-0.01", "0", "0", "0", "--by", "--host"),
         ("play", "points.toml", "--no-rehearse"),
+        ("demo", "--no-plot", "--host"),
     ],
-    ids=lambda words: words[1],
+    ids=lambda words: words[0] + words[1],
 )
 def test_an_arm_that_was_moved_during_the_question_is_not_moved(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...]
