@@ -5,7 +5,8 @@ Guarantees:
   it may move at once: what comes while the stream opens is kept, and followed faster then.
 - When commands cease, the arm stands at the last one; the stream ends, unless it must be held.
 - After a stop, further commands are ignored. They are followed again only after they have ceased,
-  or after the arm was brought up or recovered.
+  or after the arm was brought up or recovered. So are those that go on as the driver starts, unless
+  the stream must be held.
 """
 
 from __future__ import annotations
@@ -103,6 +104,7 @@ class JointCommands(StreamedCommands):
         self._profile = profile
         self._rate = rate
         self._hold = hold
+        self._blocked = not hold  # ros2_control never ceases
         self._reach = reach
         #: commands that are not followed yet, with the time of each
         self._waiting: deque[tuple[float, tuple[float, ...]]] = deque(maxlen=_KEPT)
@@ -122,8 +124,7 @@ class JointCommands(StreamedCommands):
             self._warn("refused", "joint command refused: %s", refusal)
             return False
         now = self._note_command()
-        if self._blocked:
-            self._warn("blocked", "joint commands are ignored until they cease, or a recovery")
+        if self._refused():
             return False
         if not self.following and self._busy():
             self._warn("busy", "joint command ignored: a trajectory goal is carried out")

@@ -1,8 +1,9 @@
 """When commands that arrive as a stream may be followed: of joints, of speeds, for hand guiding.
 
 Guarantee: after a stop, further commands are ignored. They are followed again only after they have
-ceased, or after the arm was brought up or recovered. Time in which the driver itself stood still is
-no time in which they ceased.
+ceased, or after the arm was brought up or recovered. So are commands that go on as the driver
+starts: it may have died while it followed them. Time in which the driver itself stood still is no
+time in which they ceased.
 """
 
 from __future__ import annotations
@@ -56,8 +57,8 @@ class StreamedCommands:
         self._options = options
         self.following: bool = False
         self._came = -math.inf
-        self._ceased = True
-        self._blocked = False
+        self._ceased = False
+        self._blocked = True
         self._changed = anyio.Event()
         self._log = log
         self._said: dict[str, float] = {}
@@ -91,6 +92,12 @@ class StreamedCommands:
         """Ignore commands until they cease, those that are not followed yet, too."""
         self._note_command()
         self._blocked = True
+
+    def _refused(self) -> bool:
+        """Whether commands are ignored at present, which is logged then."""
+        if self._blocked:
+            self._warn("blocked", "commands are ignored until they cease, or a recovery")
+        return self._blocked
 
     def _note_command(self) -> float:
         """Note that a command has come; return when [s]."""

@@ -3,7 +3,8 @@
 Guarantees:
 - The arm moves only while commands arrive: the stream ends when they cease, and the controller
   itself ends the motion when the driver dies.
-- After a stop, further commands are ignored until they have ceased, or the arm was recovered.
+- After a stop, and as the driver starts, commands that go on are ignored until they have ceased, or
+  the arm was brought up or recovered.
 """
 
 from __future__ import annotations
@@ -78,7 +79,7 @@ class TwistCommands(StreamedCommands):
             self._warn("refused", text, frame, known)
             return False
         self._note_command()
-        if self._blocked or (not self.following and self._busy()):
+        if self._refused() or (not self.following and self._busy()):
             return False
         self._newest = axes, tuple(twist)
         self._changed.set()

@@ -112,6 +112,8 @@ async def test_a_driver_that_stood_still_takes_that_for_no_end_of_the_commands()
     ]
     for commands, take in taken:
         async with beside(commands.watch()):
+            assert not take(), "it goes on from before the driver started"
+            await eventually_async(partial(getattr, commands, "_ceased"))
             assert take()
             stand_still()
             await anyio.wait_all_tasks_blocked()
