@@ -311,7 +311,7 @@ class ArmServices:
             name: name of the tool.
             offset: pose of its tip in the flange's frame (x, y, z [m], rx, ry, rz [rad]).
             mass: mass of the tool [kg].
-            centre: centre of mass of the tool [m], three.
+            centre: centre of mass of the tool in the flange's frame [m], three.
         """
 
         async def run() -> None:
@@ -321,7 +321,12 @@ class ArmServices:
         return await self._unless_busy(run, "set")
 
     async def set_load(self, mass: float, centre: Sequence[float]) -> ServiceReply:
-        """Set the load that the tool holds: mass [kg], centre of mass [m], three."""
+        """Set the load that the tool holds.
+
+        Args:
+            mass: its mass, without the tool's [kg].
+            centre: its centre of mass in the tool's frame [m], three.
+        """
 
         async def run() -> None:
             await self._robot.frames.set_load_data((mass, *centre))
