@@ -664,6 +664,7 @@ NOBODY = "127.0.0.1:1"
         ("call no_such_function", 2, "no_such_function"),
         ("call rpc_heartbeat", 2, "each command sends it by itself"),
         ("call move_jog 1 --port 1", 2, "`aioduco jog` carries it out"),
+        ("call resume --yes --port 1", 2, "`aioduco resume` does it"),
         ("call get_tcp_pose --port 1", 1, NOBODY),
         ("call movej2 [0,0,0,0,0,0] v=1 v=2 a=1 --port 1", 2, "v is given twice: 1 and 2"),
         ("call movel 3 --port 1", 2, "missing a required argument: 'v'"),

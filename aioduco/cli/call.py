@@ -23,9 +23,10 @@ _INSTEAD: Final = {
     "rpc_heartbeat": "each command sends it by itself while it moves the arm",
     "get_version": "`aioduco --version` shows it",
     "move_jog": "`aioduco jog` carries it out",
+    "resume": "`aioduco resume` does it; what a call sets moving is stopped as the call ends",
 }
-#: functions that set the arm moving, besides those that can be started as tasks
-_MOVES: Final = ("robot.resume", "robot.motion.replay")
+#: function that moves the arm, besides those that can be started as tasks
+_MOVES: Final = "robot.motion.replay"
 
 
 def _functions(incomplete: str) -> list[str]:
@@ -99,7 +100,7 @@ def call(
     shown = [*map(repr, positional), *(f"{key}={value!r}" for key, value in named.items())]
     if not call_kind(SPELLINGS.get(name, name)).repeatable:
         ask(f"{where}({', '.join(shown)}) on {address}", "Go on?", yes=yes)
-    moves = hasattr(function, "start") or where in _MOVES
+    moves = hasattr(function, "start") or where == _MOVES
     session = control_session if moves else observing_session
     try:
         with session(address) as robot:
