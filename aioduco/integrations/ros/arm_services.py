@@ -81,7 +81,8 @@ class ArmServices:
         return await self._unless_busy(self._robot.system.disable, "disabled")
 
     async def recover(self) -> ServiceReply:
-        """Recover the arm from a stop."""
+        """Recover the arm from a stop; a goal that waits or is paused ends."""
+        self._goals.stopped()
         return await self._recovering(self._robot.recover())
 
     async def stop(self) -> ServiceReply:

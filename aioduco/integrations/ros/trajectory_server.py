@@ -63,6 +63,7 @@ Through: TypeAlias = Literal["auto", "realtime", "servoj"]
 
 _log = BackgroundLogger(__name__)
 _LOOK = 0.02  # seconds between two checks of a goal's client, time and speed
+_LOOK_PAUSED = 0.1  # seconds between two checks of an arm that is paused
 _MOST_FEEDBACK = 50.0  # largest rate: as often as the arm is compared with its path [Hz]
 _LAG = 0.3  # seconds by which the arm may lag behind its set-points
 _RECENT = 0.5  # age of a measured position from which a newer goal may begin [s]
@@ -480,7 +481,11 @@ class TrajectoryServer:
                     return None
                 if self._paused:
                     self._due = math.inf
-                    await self._resumed.wait()
+                    # an arm that was switched off meanwhile goes on by no resume
+                    while not self._resumed.is_set():
+                        await self._standing()
+                        with anyio.move_on_after(_LOOK_PAUSED):
+                            await self._resumed.wait()
                 actual = await self._standing()
             except DucoError as error:
                 return error

@@ -269,12 +269,19 @@ async def test_a_goal_survives_a_pause_and_another_speed(
 
 
 @pytest.mark.slow
-async def test_a_paused_goal_ends_by_a_stop(node: ArmNode) -> None:
+@pytest.mark.parametrize("how", ["stop", "recover", "emergency stop"])
+async def test_a_paused_goal_ends_by_a_stop(node: ArmNode, sim: Simulator, how: str) -> None:
+    """After an emergency stop and `recover`, a resume let the arm go on with it."""
     client = Client(goal(count=50, duration=60.0))  # a busy machine pauses it late
     node.goals.submit(client)
     await eventually_async(lambda: client.seen and client.seen[-1].time > 0.3)
     assert (await node.services.pause()).success
-    assert (await node.services.stop()).success
+    if how == "emergency stop":
+        sim.emergency_stop()
+    else:
+        assert (await getattr(node.services, how)()).success
     await eventually_async(lambda: client.done)
+    sim.release_emergency_stop()
     assert client.told == ["accepted", "aborted"]
-    assert "paused" in client.text
+    assert ("cannot move" if how == "emergency stop" else "paused") in client.text
+    assert not (await node.services.resume()).success
