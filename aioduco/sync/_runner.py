@@ -3,7 +3,7 @@
 Guarantees:
 - A call that is interrupted (by Ctrl-C, or by another exception of a signal handler) is cancelled
   on the loop, and runs to its end there, before the interrupt is raised: a motion that the call
-  waited for has been stopped by then. A second Ctrl-C does not shorten this: nothing by which a
+  waited for has been stopped by then. A second interrupt does not shorten this: nothing by which a
   thread of the program waits, or hands its calls over, has a lock that an interrupt could leave
   held or let go of, as `threading.Event` and futures have: see `_process/wakeup.py`.
 - A call belongs to the moment in which it was made: a stop of another thread ends it although the
@@ -212,8 +212,8 @@ class Runner:
 
     def _wait_for_end(self) -> None:
         self._asked_to_end = True
-        _uninterrupted(self._ended.wait)
-        _uninterrupted(self._thread.join)
+        uninterrupted(self._ended.wait)
+        uninterrupted(self._thread.join)
 
     def ask_to_close(self) -> None:
         """Request that the loop closes the robot and ends; do not wait. From any thread."""
@@ -330,7 +330,7 @@ class Runner:
             undoing[0].wait()
             call.error = undoing[0].error
 
-        _uninterrupted(cancel)
+        uninterrupted(cancel)
 
     def forked(self) -> None:
         """In a forked child, where the loop's thread does not run: refuse all calls."""
@@ -417,11 +417,25 @@ async def _await(function: Callable[[], T]) -> T:
     return function()
 
 
-def _uninterrupted(wait: Callable[[], object]) -> None:
-    """Wait, and ignore every further Ctrl-C; the caller raises the first one."""
+def uninterrupted(step: Callable[[], object]) -> list[BaseException]:
+    """Take a step to its end, again after each interrupt: Ctrl-C, or what a signal handler raises.
+
+    Args:
+        step: it is safe to repeat, and goes on where it was. An error of its own, other than these
+            two, is raised if it comes again.
+
+    Returns:
+        The interrupts; the caller raises one.
+    """
+    interrupts: list[BaseException] = []
     while True:
         try:
-            wait()
-        except KeyboardInterrupt:
-            continue
-        return
+            step()
+        except (KeyboardInterrupt, SystemExit) as exc:
+            interrupts.append(exc)
+        except Exception as exc:
+            if any(isinstance(before, type(exc)) for before in interrupts):
+                raise
+            interrupts.append(exc)
+        else:
+            return interrupts

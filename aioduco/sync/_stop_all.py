@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, cast
 from aioduco.errors import DucoError, ParameterError, RobotStateError, StopsUnconfirmed
 from aioduco.models.host_port import host_port
 from aioduco.sync._robot import RobotLifecycle
+from aioduco.sync._runner import uninterrupted
 
 if TYPE_CHECKING:
     from aioduco.sync._generated import Robot
@@ -38,22 +39,26 @@ def stop_all(robots: Iterable[Robot]) -> None:
     known = [isinstance(robot, RobotLifecycle) for robot in chosen]
     errors: list[DucoError | None] = [None] * len(chosen)
     started: dict[int, StartedCall[None]] = {}
-    interrupts: list[KeyboardInterrupt] = []
     left = list(range(len(chosen)))
-    while left:
-        robot = chosen[left[0]]
-        if not known[left[0]]:  # the others are stopped nevertheless
-            errors[left.pop(0)] = RobotStateError(f"{robot!r} is no robot that `connect` returned")
-            continue
-        try:
-            started[left[0]] = robot._runner.start(robot._made.stop())
+
+    def send() -> None:
+        while left:
+            index, robot = left[0], chosen[left[0]]
+            if not known[index]:  # the others are stopped nevertheless
+                errors[index] = RobotStateError(f"{robot!r} is no robot that `connect` returned")
+            else:
+                try:
+                    started[index] = robot._runner.start(robot._made.stop())
+                except DucoError as exc:
+                    errors[index] = exc
             left.pop(0)
-        except DucoError as exc:
-            errors[left.pop(0)] = exc
-        except KeyboardInterrupt as interrupt:  # this stop is sent again, which is safe
-            interrupts.append(interrupt)
-    for call in started.values():
-        interrupts += _waited_for(call)
+
+    def wait() -> None:
+        for call in started.values():
+            call.wait()
+
+    # a stop during which an interrupt came is sent again, which is safe
+    interrupts = uninterrupted(send) + uninterrupted(wait)
     for index, call in started.items():
         if isinstance(call.error, DucoError):
             errors[index] = call.error
@@ -69,14 +74,3 @@ def stop_all(robots: Iterable[Robot]) -> None:
             for index, robot in enumerate(chosen)
         ]
         raise StopsUnconfirmed.of(places, errors) from first
-
-
-def _waited_for(call: StartedCall[None]) -> list[KeyboardInterrupt]:
-    """Wait for the end of a call, and return the interrupts that came in the meantime."""
-    interrupts = []
-    while not call.over.is_set():
-        try:
-            call.wait()
-        except KeyboardInterrupt as interrupt:
-            interrupts.append(interrupt)
-    return interrupts

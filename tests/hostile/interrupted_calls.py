@@ -61,14 +61,14 @@ class Interruption:
 def main(host: str, port: int, numbers: list[int]) -> None:
     """Move once for each number."""
     interruption = Interruption()
-    uninterrupted = _runner._uninterrupted
+    uninterrupted = _runner.uninterrupted
 
-    def watched(wait: Callable[[], object]) -> None:
+    def watched(step: Callable[[], object]) -> list[BaseException]:
         def again() -> None:
             interruption.again()
-            wait()
+            step()
 
-        uninterrupted(again)
+        return uninterrupted(again)
 
     set_latch = _runner.Latch.set
 
@@ -76,7 +76,7 @@ def main(host: str, port: int, numbers: list[int]) -> None:
         interruption.end()
         set_latch(latch)
 
-    _runner._uninterrupted = watched
+    _runner.uninterrupted = watched
     latches: Any = _runner.Latch
     latches.set = ending
     with aioduco.sync.connect(host, port, trace=interruption.look) as robot:

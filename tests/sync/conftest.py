@@ -50,6 +50,20 @@ def meanwhile(*steps: Callable[[], object]) -> Iterator[None]:
         thread.join()
 
 
+@contextmanager
+def raised_by_ctrl_c(kind: type[BaseException]) -> Iterator[None]:
+    """Let a signal handler raise another error, as one for SIGTERM that calls sys.exit does."""
+
+    def raises(*_: object) -> None:
+        raise kind
+
+    before = signal.signal(signal.SIGINT, raises)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
 @pytest.fixture
 def interrupts() -> Interrupts:
     def ctrl_c(condition: Callable[[], object]) -> Callable[[], None]:

@@ -14,7 +14,7 @@ import aioduco.sync
 from aioduco import Joints, Outcome, StopUnconfirmed
 from aioduco.sync import Robot
 from aioduco.testing import eventually
-from sync.conftest import Interrupts, meanwhile
+from sync.conftest import Interrupts, meanwhile, raised_by_ctrl_c
 
 HOME = Joints(0, 0, 1.5, 0, -1.5, 0)
 
@@ -46,13 +46,18 @@ def test_the_arm_stands_before_it_goes_on(
     assert robot.motion.movej2(HOME, v=1.0, a=1.0) is Outcome.FINISHED  # all is well afterwards
 
 
+@pytest.mark.parametrize("kind", [KeyboardInterrupt, SystemExit])
 def test_a_second_one_does_not_cut_the_stop_short(
-    robot: Robot, desk: Desk, interrupts: Interrupts
+    kind: type[BaseException], robot: Robot, desk: Desk, interrupts: Interrupts
 ) -> None:
     desk.motion_time = 30.0
     desk.braking_time = 0.5
     stopping = lambda: "stop" in desk.commands  # noqa: E731  # read better in one line
-    with interrupts(desk.moving, stopping, stopping), pytest.raises(KeyboardInterrupt):
+    with (
+        raised_by_ctrl_c(kind),
+        interrupts(desk.moving, stopping, stopping),
+        pytest.raises(kind),
+    ):
         robot.motion.movej2(HOME, v=1.0, a=1.0)
     assert not desk.moving()
 

@@ -12,7 +12,7 @@ from api.desk import Desk
 import aioduco.sync
 from aioduco import Joints, Outcome
 from aioduco.sync import Robot, stop_all
-from sync.conftest import Interrupts
+from sync.conftest import Interrupts, raised_by_ctrl_c
 
 HOME = Joints(0, 0, 1.5, 0, -1.5, 0)
 
@@ -86,13 +86,14 @@ def test_a_robot_in_place_of_a_list_is_stopped(robots: list[Robot], desks: list[
     stop_all(robots)
 
 
+@pytest.mark.parametrize("kind", [KeyboardInterrupt, SystemExit])
 def test_an_interrupt_goes_on_when_all_stand(
-    robots: list[Robot], desks: list[Desk], interrupts: Interrupts
+    kind: type[BaseException], robots: list[Robot], desks: list[Desk], interrupts: Interrupts
 ) -> None:
     start_all(robots, desks)
     for desk in desks:
         desk.braking_time = 0.3
     told = lambda: "stop" in desks[0].commands  # noqa: E731  # read better in one line
-    with interrupts(told, told), pytest.raises(KeyboardInterrupt):
+    with raised_by_ctrl_c(kind), interrupts(told, told), pytest.raises(kind):
         stop_all(robots)
     assert not any(desk.moving() for desk in desks)
