@@ -196,10 +196,11 @@ class Section(Uncopied, ManualNames):
         supervisor, command = self._supervisor, Command(call.name, call.args)
         supervisor.check_permitted(call.name)
         before = await self._follower.error_list()
-        answer = await supervisor.dispatcher.conduct(command, supervisor.blocking, None)
+        lane, dispatcher = supervisor.blocking, supervisor.dispatcher
+        answer = await dispatcher.conduct(command, lane, None, as_task=True)
         if answer > max(TaskState):
             # Not an end state, so it is the id of a task. The task is followed like any other.
-            await supervisor.dispatcher.adopt(command, answer, before)
+            await dispatcher.adopt(command, answer, before)
         else:
             await self._check(call.name, answer, before)
 

@@ -22,7 +22,7 @@ import anyio
 import anyio.lowlevel
 
 from aioduco._process.platform import boot_time
-from aioduco.errors import RobotStateError
+from aioduco.errors import OutcomeUnknown, RobotStateError
 from aioduco.models.enums import Outcome, TaskState
 from aioduco.supervision.command_result import taken
 from aioduco.supervision.concurrency import every, on_grid, run_to_completion
@@ -245,26 +245,41 @@ class Dispatcher:
         lane: WireLane,
         timeout: float | None,
         mode: ModeEnding | None = None,
+        *,
+        as_task: bool = False,
     ) -> int:
         """Send a motion that is answered only when it has ended, or a mode in which the arm moves.
 
-        The arm is stopped if this is cancelled, or if the answer is lost.
+        The arm is stopped if this is cancelled, or if the answer is lost, or does not say how the
+        command has ended.
 
         Args:
             command: the command.
             lane: lane on which it is sent; it is in use until the answer comes.
             timeout: seconds for the answer; None for no limit.
             mode: the mode that it enters, as for `Modes.enter`; None if it enters none.
+            as_task: whether the answer may also be the id of a task, which the caller then follows.
 
         Returns:
-            The answer.
+            The answer: an end state, the id of a task, or a refusal, which is negative.
+
+        Raises:
+            OutcomeUnknown: the answer is lost, or is no end; the arm was stopped.
         """
         permit = self._asked(command)
         async with self._order:
             command = await self._prepared(command, permit)
             await anyio.lowlevel.checkpoint_if_cancelled()  # from here to the send is no other
             self._admit(command, permit)
-        return await self._answer(command, lane, permit, timeout, mode)
+        answer = await self._answer(command, lane, permit, timeout, mode)
+        if answer < 0 or TaskState(answer).ended or (as_task and answer > max(TaskState)):
+            return answer
+        if mode is not None:
+            self._coordinator.modes.enter(*mode)
+        self._coordinator.unfollowed_motion = True
+        await self._coordinator.stop()
+        reason = f"its answer, {answer}, is no end, and the arm was stopped"
+        raise OutcomeUnknown(command.name, reason)
 
     async def _answer(
         self,

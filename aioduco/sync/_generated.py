@@ -1461,7 +1461,7 @@ class BlockingMotions(_Section):
     - `TaskStopped`, `RobotStateError`, `HeartbeatLost`: it was not sent, since the arm was stopped,
       the robot is not open, or its heartbeat is not running.
     - `EnvelopeViolated`: it would lead beyond `robot.envelope`; it was not sent.
-    - `OutcomeUnknown`: its answer was lost; the arm was stopped.
+    - `OutcomeUnknown`: its answer was lost, or is no end; the arm was stopped.
     - `ConnectionLost`: it was not sent.
     """
 

@@ -59,7 +59,6 @@ async def test_it_lasts_longer_than_a_call_may_take(desk: Desk, motion: Answered
 @pytest.mark.parametrize(
     ("answer", "error"),
     [
-        (2, aioduco.Refused),
         (3, aioduco.TaskStopped),
         (5, aioduco.TaskInterrupted),
         (6, aioduco.TaskFailed),
@@ -77,6 +76,20 @@ async def test_another_end_is_an_error_that_says_what_the_controller_lists(
         await motion.call(robot)
     if isinstance(caught.value, aioduco.TaskError):
         assert caught.value.errors == ("out of reach",)
+
+
+@pytest.mark.parametrize("answer", [0, 1, 2, 9])
+async def test_an_answer_that_is_no_end_stops_the_arm(
+    robot: aioduco.Robot, desk: Desk, answer: int
+) -> None:
+    """It may be on its way, and nothing follows it."""
+    desk.moves("movel")
+    desk.motion_time = 30.0
+    move = desk._answers["movel"]
+    desk.answer("movel", lambda *args: move(*args) and answer)
+    with pytest.raises(aioduco.OutcomeUnknown, match=f"answer, {answer}, is no end"):
+        await robot.blocking.movel(POSE, v=0.2, a=0.5)
+    assert not desk.moving()
 
 
 @pytest.mark.parametrize("on_cancel", ["stop", "detach", "pause"])
@@ -221,6 +234,13 @@ async def test_realtime_mode_that_was_refused_leaves_nothing_to_end(
         await robot.realtime.start_realtime_mode(RealtimeMode.TWIST)
     await robot.aclose()
     assert realtime.commands == ["start_realtime_mode"]
+
+
+async def test_realtime_mode_that_may_be_on_is_ended(robot: aioduco.Robot, realtime: Desk) -> None:
+    realtime.answer("start_realtime_mode", 1)
+    with pytest.raises(aioduco.OutcomeUnknown):
+        await robot.realtime.start_realtime_mode(RealtimeMode.TWIST)
+    assert realtime.commands == ["start_realtime_mode", "stop", "end_realtime_mode", "stop"]
 
 
 async def test_cancelling_the_start_of_realtime_mode_stops_the_arm(
