@@ -580,9 +580,9 @@ class StopCoordinator:
                 # has sent is paused, and continues when resumed.
                 await self._silence_streams()
                 self.unfollowed_motion = True
-            # A paused motion whose task has ended looks as if it were over, but continues when
-            # resumed.
-            self.unfollowed_motion = self.unfollowed_motion or any(
+            # A paused motion whose task has ended, or that has none, looks as if it were over, but
+            # continues when resumed.
+            self.unfollowed_motion |= self.gate.resumed or any(
                 task.life.continues_after_task for task in self.follower.tasks
             )
             await self._controlled("pause")

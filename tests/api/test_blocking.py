@@ -12,7 +12,7 @@ from typing import Any
 
 import anyio
 import pytest
-from client.bench import HOME, POSE
+from client.bench import HOME, POSE, BenchTask
 from for_each import for_each
 from wire.lanes import noted
 
@@ -206,6 +206,21 @@ async def test_it_waits_through_a_pause(robot: aioduco.Robot, desk: Desk) -> Non
         await robot.resume()
     assert states == [TaskState.FINISHED]
     assert "stop" not in desk.commands
+
+
+async def test_leaving_the_robot_stops_what_is_paused_behind_an_early_answer(desk: Desk) -> None:
+    """Otherwise it would go on when anybody resumes, after its program has ended."""
+
+    def early(*_: Any) -> int:
+        desk._add(BenchTask("speedl", now := time.monotonic(), now + 30.0))
+        return TaskState.FINISHED
+
+    desk.answer("speedl", early)
+    async with aioduco.connect(desk.host, desk.port) as robot:
+        await robot.blocking.speedl([0, 0, 0.02, 0, 0, 0], a=0.5, time=20.0)
+        await robot.pause()
+    desk._resume(False)
+    assert not desk.moving()
 
 
 async def test_one_whose_heartbeat_was_lost_is_stopped_and_says_so(
