@@ -161,10 +161,10 @@ class Runner:
         self._hold_limit = hold_limit
         self._program_limit = program_limit
         self._call_times = CallTimes()
-        #: the calls of the thread that holds a task, by the task's id
-        self._holders: dict[int, CallRecord] = {}
-        #: ids of the tasks that were stopped because their thread made no call for too long
-        self._stopped_unheld: set[int] = set()
+        #: the calls of the thread that holds a task; any thread may add one
+        self._holders: dict[Task, CallRecord] = {}
+        #: the tasks that were stopped because their thread made no call for too long
+        self._stopped_unheld: set[Task] = set()
         #: functions that are awaited after the robot has been closed: the ends of its streams
         self._at_close: list[Callable[[], Awaitable[None]]] = []
         self._loop = OwnerLoop("the robot", moves=False)
@@ -283,11 +283,11 @@ class Runner:
 
     def holds(self, task: Task) -> None:
         """Note that the calling thread holds a task."""
-        self._holders[task.id] = self._call_times.here
+        self._holders[task] = self._call_times.here
 
     def was_stopped_unheld(self, task: Task) -> bool:
         """Whether a task was stopped because its thread made no call for too long."""
-        return task.id in self._stopped_unheld
+        return task in self._stopped_unheld
 
     def _hand_over(self, call: StartedCall[T], work: Coroutine[Any, Any, T]) -> None:
         if self._in_forked_child:
@@ -386,20 +386,22 @@ class Runner:
 
     async def _stop_unheld(self) -> None:
         now = time.monotonic()
-        live = {task.id: task for task in self.robot.tasks}
-        for task_id in [known for known in self._holders if known not in live]:
-            del self._holders[task_id]
+        holders = self._holders.copy()
+        live = self.robot.tasks
         unheld = []
-        for task_id, thread in self._holders.items():
-            limit = self._limit(live[task_id])
+        for task, thread in holders.items():
+            if task not in live:
+                self._holders.pop(task, None)
+                continue
+            limit = self._limit(task)
             if limit is not None and thread.idle_time(now) > limit:
-                unheld.append(task_id)
+                unheld.append(task)
         if not unheld:
             return
-        for task_id in unheld:
-            _log.warning("%r is stopped: the program made no call for too long", live[task_id])
-            self._stopped_unheld.add(task_id)
-            del self._holders[task_id]
+        for task in unheld:
+            _log.warning("%r is stopped: the program made no call for too long", task)
+            self._stopped_unheld.add(task)
+            self._holders.pop(task, None)
         try:
             await self.robot.stop()
         except DucoError:

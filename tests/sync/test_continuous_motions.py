@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import itertools
 import threading
 import time
 from collections.abc import Callable
+from typing import Any, cast
 
 import pytest
 from api.desk import Desk
 
 import aioduco.sync
-from aioduco import Jog, Joints, Outcome, ParameterError, TaskStopped
-from aioduco.sync import Robot
+from aioduco import Jog, Joints, Outcome, ParameterError, TaskFailed, TaskState, TaskStopped
+from aioduco.sync import Robot, Task
 from aioduco.sync._presence import CallRecord, CallTimes
 from aioduco.testing import eventually
 
@@ -42,13 +44,44 @@ def test_each_thread_has_its_own_calls() -> None:
     assert times.here is times.here
 
 
-def test_it_is_stopped_when_the_program_hangs(robot: Robot, desk: Desk) -> None:
+def held_by_nobody(robot: Robot, desk: Desk) -> Task:
+    """Start a motion, and make no call until it is stopped."""
     task = robot.motion.speedl.start(DOWN, a=1.0, time=None)
-    eventually(lambda: "stop" in desk.commands)  # this thread makes no call meanwhile
+    eventually(lambda: "stop" in desk.commands)
+    return task
+
+
+def test_it_is_stopped_when_the_program_hangs(robot: Robot, desk: Desk) -> None:
+    task = held_by_nobody(robot, desk)
     with pytest.raises(TaskStopped) as caught:
         task.wait()
     assert "robot.sleep" in caught.value.__notes__[0]
     assert not desk.moving()
+
+
+def test_a_later_task_of_its_number_is_another_one(robot: Robot, desk: Desk) -> None:
+    """A controller that was restarted begins its numbers anew."""
+    with pytest.raises(TaskStopped):
+        held_by_nobody(robot, desk).wait()
+    desk._ids = itertools.count(1000)
+    desk.ends = TaskState.ERROR
+    with pytest.raises(TaskFailed) as caught:
+        robot.motion.movej2.start(HOME, v=1.0, a=1.0).wait()
+    assert not hasattr(caught.value, "__notes__")
+
+
+def test_another_thread_may_begin_to_hold_one_at_any_moment(
+    robot: Robot, desk: Desk, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    runner, limit = robot._runner, robot._runner._limit
+
+    def meanwhile(task: Any) -> float | None:
+        runner.holds(cast("Any", type("Another", (), {"id": 1})()))
+        return limit(task)
+
+    monkeypatch.setattr(runner, "_limit", meanwhile)
+    held_by_nobody(robot, desk)
+    assert runner.running
 
 
 @pytest.mark.slow
