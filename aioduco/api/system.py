@@ -101,7 +101,7 @@ class System(Section):
             Refused: the controller refuses in its present state.
             TaskError: it was not restarted.
             OutcomeUnknown: the connection ended before the answer came.
-            RobotStateError: it has not started within `timeout`.
+            RobotStateError: it has not started within `timeout`, or the robot was closed meanwhile.
 
         Manual section 1.3.2.
         """
@@ -118,6 +118,7 @@ class System(Section):
                 state = id_ if TaskState(id_).ended else await rpc.get_noneblock_taskstate(id_)
                 robot = self._supervisor.samples.states(await rpc.get_robot_state()).robot
             except (ConnectError, ConnectionLost, StaleState):
+                self._supervisor.check_open("get_robot_state")
                 begun = True
                 continue
             if not begun and TaskState(state).ended:

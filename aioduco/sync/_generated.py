@@ -182,7 +182,7 @@ class System(_Section):
             Refused: the controller refuses in its present state.
             TaskError: it was not restarted.
             OutcomeUnknown: the connection ended before the answer came.
-            RobotStateError: it has not started within `timeout`.
+            RobotStateError: it has not started within `timeout`, or the robot was closed meanwhile.
 
         Manual section 1.3.2.
         """

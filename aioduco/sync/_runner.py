@@ -47,6 +47,8 @@ _WATCH_EVERY = 0.05
 #: seconds between two wake-ups of a waiting thread, at which it can take an interrupt on systems
 #: that do not wake it for one
 _WAKE_EVERY = 0.2
+#: seconds after the robot was closed for calls to end by themselves
+_GRACE = 1.0
 
 T = TypeVar("T")
 
@@ -109,8 +111,10 @@ class StartedCall(Generic[T]):
                 self.answers.append(await self._work)
         # It is raised in the waiting thread: also the end of the program, or a cancellation, that a
         # function of the program asked for, such as a predicate. It would be lost here.
-        except (Exception, SystemExit, KeyboardInterrupt, anyio.get_cancelled_exc_class()) as exc:
+        except (Exception, SystemExit, KeyboardInterrupt) as exc:
             self.error = exc
+        except anyio.get_cancelled_exc_class() as exc:
+            self.error = RobotStateError("the robot was closed") if self._runner.closing else exc
         finally:
             self._end()
 
@@ -170,8 +174,8 @@ class Runner:
         self._loop = OwnerLoop("the robot", moves=False)
         #: the calls that run; each keeps its own error
         self._calls = BackgroundTasks(crashed=lambda _: None)
-        #: whether no call begins any more
-        self._closing = False
+        #: whether no call begins any more, and those that still run end
+        self.closing: bool = False
         self._in_forked_child = False
         fork_hooks.add(self)
         self._ready = Latch()
@@ -359,14 +363,16 @@ class Runner:
         try:
             await self._watch()
         except BaseException:
-            self._closing = True
+            self.closing = True
             await self._calls.aclose()
             raise
-        self._closing = True
-        await self._calls.ended()
+        self.closing = True
+        with anyio.move_on_after(_GRACE):
+            await self._calls.ended()
+        await self._calls.aclose()  # those that wait for a time, as `sleep` does
 
     def _begin(self, call: StartedCall[Any]) -> None:
-        call.begin(None if self._closing else self._calls)
+        call.begin(None if self.closing else self._calls)
 
     async def _watch(self) -> None:
         main = threading.main_thread()

@@ -13,7 +13,7 @@ from api.desk import Desk
 from interpreter import python
 
 import aioduco.sync
-from aioduco import ConnectError, Joints, Outcome, RobotStateError, TaskStopped
+from aioduco import ConnectError, Joints, Outcome, RobotStateError, TaskState, TaskStopped
 from aioduco.supervision.gate import PermitEnding
 from aioduco.sync import Robot
 from aioduco.testing import eventually, no_leaks
@@ -189,6 +189,24 @@ def test_one_left_open_is_closed_with_a_warning(desk: Desk) -> None:
     eventually(lambda: threads() == [])
     assert desk.commands == ["movej2", "stop"]
     assert not desk.moving()
+
+
+@pytest.mark.parametrize(
+    "wait",
+    [lambda robot: robot.sleep(600.0), lambda robot: robot.system.restart(timeout=600.0)],
+    ids=["sleep", "restart"],
+)
+def test_closing_ends_what_another_thread_waits_for(
+    desk: Desk, wait: Callable[[Robot], object]
+) -> None:
+    desk.answer("restart", TaskState.FINISHED)
+    desk.states[0] = 1  # it initializes, and never ends that
+    with ThreadPoolExecutor(1) as pool:
+        with aioduco.sync.connect(desk.host, desk.port) as robot:
+            call = pool.submit(wait, robot)
+            eventually(lambda: len(robot._runner._calls) == 1)
+        with pytest.raises(RobotStateError, match=r"the robot (is|was) closed"):
+            call.result()
 
 
 @pytest.mark.slow
