@@ -211,6 +211,8 @@ class Runner:
             return
         try:
             self.call(self.robot.aclose())
+        except RobotStateError:
+            return  # another thread has closed it
         finally:
             self._wait_for_end()
 

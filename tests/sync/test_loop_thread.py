@@ -205,6 +205,8 @@ def test_closing_ends_what_another_thread_waits_for(
         with aioduco.sync.connect(desk.host, desk.port) as robot:
             call = pool.submit(wait, robot)
             eventually(lambda: len(robot._runner._calls) == 1)
+            with meanwhile(lambda: eventually(lambda: robot._runner.closing), robot.close):
+                robot.close()
         with pytest.raises(RobotStateError, match=r"the robot (is|was) closed"):
             call.result()
 
