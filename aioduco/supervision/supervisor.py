@@ -593,14 +593,24 @@ class Supervisor:
         steps, coordinator = self.settings.steps, self.stop_coordinator
         yield "answers", steps.answers, self.dispatcher.quiet
         if coordinator.moving:
-            yield "stop", steps.stop, coordinator.send_stop
-            yield "standstill", steps.standstill, partial(coordinator.rest, steps.stop)
+            yield "stop", steps.stop, self._stop_to_leave
+            yield "standstill", steps.standstill, partial(self._stand_to_leave, steps.stop)
         if coordinator.modes.any:
             yield "modes", steps.modes, coordinator.leave_modes
         # a stop that another task waits for would otherwise not learn that it was accepted
         if coordinator.gate.stopping and self._close_error is None:
             yield "stops", steps.standstill, self.permits.stops_ended
         yield "close", _NO_LIMIT, lambda _: self._close_lanes()
+
+    async def _stop_to_leave(self, timeout: float) -> None:
+        """Stop the arm; the motions that this ends have been stopped, and have not finished."""
+        self.gate.end(PermitEnding.STOPPED)
+        await self.stop_coordinator.send_stop(timeout)
+
+    async def _stand_to_leave(self, stop_timeout: float | None, timeout: float) -> None:
+        """Wait until the arm stands, and until it was seen how its motions have ended."""
+        await self.stop_coordinator.rest(stop_timeout, timeout)
+        await self.stop_coordinator.follower.motions_ended()
 
     async def _close_lanes(self) -> None:
         """End everything that runs for the robot, and close its connections."""

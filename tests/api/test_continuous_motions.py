@@ -125,10 +125,11 @@ async def test_cancelling_its_end_stops_the_arm(robot: aioduco.Robot, desk: Desk
 
 async def test_leaving_the_robot_stops_it(desk: Desk, name: str) -> None:
     async with aioduco.connect(desk.host, desk.port) as robot:
-        await MAKE[name](robot, None).start()
+        task = await MAKE[name](robot, None).start()
         await eventually_async(desk.moving)
     assert not desk.moving()
     assert "stop" in desk.commands
+    assert task.outcome is Outcome.STOPPED
 
 
 async def test_a_stop_ends_it_as_stopped(robot: aioduco.Robot, desk: Desk, name: str) -> None:

@@ -13,6 +13,7 @@ from client.bench import HOME, Bench
 from moments import cancelled_once
 
 import aioduco
+from aioduco import Outcome, TaskState
 from aioduco.errors import ParameterError, RobotStateError
 from aioduco.supervision.gate import Gate
 from aioduco.supervision.supervisor import Supervisor
@@ -45,6 +46,17 @@ async def test_a_motion_that_runs_is_stopped(bench: Bench) -> None:
     # It was seen to stand, and the heartbeat went on until then.
     assert bench.received("robotmoving")[-1].at >= bench._stopped_at + bench.braking_time
     await left_standing(bench)
+
+
+async def test_how_a_motion_ended_is_known_that_would_be_polled_much_later(bench: Bench) -> None:
+    bench.motion_time = 30.0
+    async with aioduco.connect(bench.host, bench.port) as robot:
+        task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        follower = robot._supervisor.stop_coordinator.follower
+        await eventually_async(lambda: task.state is TaskState.RUNNING)
+        follower._due[task] += 60.0
+        follower._alarm.ring()
+    assert task.outcome is Outcome.STOPPED
 
 
 async def test_a_program_that_moved_nothing_stops_nothing(bench: Bench) -> None:
