@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 
 _MOVED = 1.5  # multiple of the lead from which on the arm was moved by something else
+_AWAY = 0.05  # by which an arm that comes to a standing target is farther away again then [rad]
 _Vector = NDArray[np.float64]
 _SIX = Vector(Number(source="this package"), length=6, source="this package")
 _ABOVE = Number(0.0, open_low=True, source="this package")
@@ -49,6 +50,8 @@ class JointTarget(Uncopied):
         self._lead = _ABOVE("lead", lead)
         self._damping = _ABOVE("damping", damping)
         self._target: _Vector | None = None
+        #: least distance of each joint from the target since that stands [rad]; infinite before
+        self._nearest: _Vector = np.full(6, np.inf)
 
     def rest(self, seen: Sequence[float]) -> _Vector:
         """Keep the target, or reset it to the arm if something else has moved the arm away.
@@ -59,10 +62,19 @@ class JointTarget(Uncopied):
         Raises:
             ParameterError: they are not six finite numbers.
         """
+        target = self._from(seen)
+        away = np.abs(target - np.array(seen, dtype=float))
+        if np.any(away > self._nearest + _AWAY):
+            target, away = np.array(seen, dtype=float), np.zeros(6)
+        self._target, self._nearest = target, np.minimum(self._nearest, away)
+        return target.copy()
+
+    def _from(self, seen: Sequence[float]) -> _Vector:
+        """The target, or the arm's position if that is farther away than it may lag."""
         actual = np.array(_SIX("seen", seen))
         if self._target is None or np.abs(self._target - actual).max() > _MOVED * self._lead:
-            self._target = actual
-        return self._target.copy()
+            return actual
+        return self._target
 
     def by_twist(
         self, twist: Sequence[float], period: float, seen: Sequence[float], *, in_tool: bool = False
@@ -81,7 +93,7 @@ class JointTarget(Uncopied):
         Raises:
             ParameterError: the duration is not above 0, or there are not six finite numbers.
         """
-        target = self.rest(seen)
+        target = self._from(seen)
         wanted = np.array(_SIX("twist", twist))
         if in_tool:
             turn = self._arm.fkine(target)[:3, :3]
@@ -107,7 +119,7 @@ class JointTarget(Uncopied):
             ParameterError: the duration is not above 0, or there are not six finite numbers.
         """
         period = TIMEOUT("period", period)
-        target, found = self.rest(seen), np.array(_SIX("speeds", speeds))
+        target, found = self._from(seen), np.array(_SIX("speeds", speeds))
         most = float(np.abs(found).max())
         if most > self._fastest:
             found *= self._fastest / most
@@ -115,4 +127,5 @@ class JointTarget(Uncopied):
         actual = np.array(seen, dtype=float)
         new = np.clip(new, actual - self._lead, actual + self._lead)
         self._target = np.clip(new, self._arm.lower, self._arm.upper)
+        self._nearest = np.full(6, np.inf)
         return self._target.copy()

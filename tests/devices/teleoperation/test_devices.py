@@ -241,6 +241,16 @@ def test_a_joint_target_leads_the_flange_along_the_twist(in_tool: bool) -> None:
     assert target.rest(READY) == pytest.approx(seen)
 
 
+def test_a_target_that_nobody_leads_follows_an_arm_that_is_moved() -> None:
+    """By hand between two episodes: it went back by itself, from up to 13 degrees away."""
+    target = JointTarget(arm("gcr5_910"))
+    led = target.by_joints([0.5, 0, 0, 0, 0, 0], 0.2, READY)
+    for seen in (READY, (0.6 * led + 0.4 * np.array(READY)).tolist(), led.tolist()):
+        assert target.rest(seen) == pytest.approx(led), "the arm is on its way there"
+    moved = [*led[:3], led[3] + 0.15, *led[4:]]
+    assert target.rest(moved) == pytest.approx(moved)
+
+
 def test_a_joint_target_keeps_near_the_arm_and_within_limits_at_a_singularity() -> None:
     model = arm("gcr5_910")
     target = JointTarget(model, fastest=0.5, lead=0.1)
