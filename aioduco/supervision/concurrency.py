@@ -89,7 +89,7 @@ class Ticker:
         """Wait for the next cycle, or not at all if it is late. Missed cycles are skipped."""
         now = time.monotonic()
         self.due = max(self.due + self.period, now)
-        await asyncio.sleep(self.due - now)
+        await anyio.sleep(self.due - now)
 
     def postpone(self, seconds: float) -> None:
         """Delay the next cycle until a period after `seconds` from now, or later."""
