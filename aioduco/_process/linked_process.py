@@ -115,59 +115,30 @@ class ValueChannel:
         return data
 
 
-class LinkedProcess:
+class LinkedProcess(Process):
     """A process with a channel. It must exit when the channel closes, and so with the program.
 
     Args:
         module: module whose `main` it runs; `main` opens the channel by `ValueChannel.of`.
-        packages: packages that it imports besides those that each process of this package imports.
-        runs_program: whether it runs a program of the user: see `Process`.
-        output: whether it writes to the output of this program.
         patience: seconds for it to exit after its channel was closed; then it is killed.
+        options: further options of `Process`.
 
     Raises:
         Unstartable: there is no interpreter to start.
         OSError: the system does not allow it.
     """
 
-    def __init__(
-        self,
-        module: str,
-        *,
-        packages: Sequence[str] = (),
-        runs_program: bool = False,
-        output: bool = False,
-        patience: float = _END,
-    ) -> None:
+    def __init__(self, module: str, *, patience: float = _END, **options: Any) -> None:
         self._patience = patience
         ours, theirs = socket.socketpair()
         try:
-            self._process = Process(
-                module,
-                [theirs],
-                packages=packages,
-                runs_program=runs_program,
-                output=output,
-            )
+            super().__init__(module, [theirs], **options)
         except BaseException:
             ours.close()
             raise
         finally:
             theirs.close()
         self.channel = ValueChannel(ours)
-
-    def __repr__(self) -> str:
-        return f"<LinkedProcess {self.popen.pid}>"
-
-    @property
-    def popen(self) -> subprocess.Popen[bytes]:
-        """The process."""
-        return self._process.popen
-
-    @property
-    def stderr_tail(self) -> str:
-        """The end of its standard error; empty if it wrote nothing."""
-        return self._process.stderr_tail
 
     def ask(self, request: object) -> Any:
         """Send a request, and wait for the answer.
@@ -191,7 +162,7 @@ class LinkedProcess:
         except subprocess.TimeoutExpired:
             self.popen.kill()
             self.popen.wait()
-        self._process.close()
+        super().close()
 
     def end(self) -> str:
         """Close it. Returns the last line of its standard error; empty if it wrote nothing."""

@@ -158,17 +158,17 @@ class Process:
                 env=_environment(module, runs_program=runs_program),
             )
         except BaseException:
-            self.close()
+            Process.close(self)
             raise
         if not by_number:
             self._share(sockets)
 
     def __repr__(self) -> str:
-        return f"<Process {self.popen.pid}>"
+        return f"<{type(self).__name__} {self.popen.pid}>"
 
     def __del__(self) -> None:
         if getattr(self, "_stderr", None) is not None:
-            self.close()
+            Process.close(self)  # not that of a subclass, which may wait
 
     @property
     def stderr_tail(self) -> str:
