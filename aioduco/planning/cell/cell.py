@@ -6,7 +6,7 @@ import math
 from collections.abc import AsyncIterator, Iterator, Mapping
 from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final
 
 from aioduco.errors import CellFileError, ParameterError, WaypointFileError
 from aioduco.models.points import Point, TaughtPoints
@@ -16,13 +16,13 @@ from aioduco.models.similar import did_you_mean, unknown
 from aioduco.models.toml_files import key_text, parse_toml, quoted, read_text, rewrite
 from aioduco.models.toml_lines import Statement, key_end, line_of, statements
 from aioduco.planning.cell import sections
-from aioduco.planning.cell.sections import CellPoint, CellRobot, CellTool, WrongField
+from aioduco.planning.cell.sections import CellRobot, CellTool, WrongField
 from aioduco.recording.playback.waypoints import WaypointFile
 
 if TYPE_CHECKING:
     import os
 
-    from aioduco.envelope import Envelope, EnvelopeLimit
+    from aioduco.envelope import Envelope
     from aioduco.planning.cell.grippers import CellGripper
     from aioduco.planning.scene import Scene
     from aioduco.robot import Robot
@@ -80,7 +80,22 @@ class Cell(Mapping[str, Point]):
     def _take(self, text: str) -> None:
         """Read everything, or nothing."""
         try:
-            found = _contents(parse_toml(text), self._file.parent)
+            found, folder = parse_toml(text), self._file.parent
+            sections.only((), found, _SECTIONS)
+            arm = sections.model(("arm",), found["arm"]) if found.get("arm", "") != "" else ""
+            robots, default = sections.robots(found.get("robots", {}), arm)
+            if not arm and not robots and {"limit", "scene"} & found.keys():
+                sections.wrong((), 'arm is missing: the model of the arm, such as arm = "gcr5_910"')
+            gripper = None
+            if "gripper" in found:
+                from aioduco.planning.cell.grippers import gripper as gripper_of  # noqa: PLC0415
+
+                gripper = gripper_of(found["gripper"])
+            frames = sections.frames(found.get("frames", {}))
+            tool = sections.tool(found.get("tool", {}), folder)
+            points = sections.points(found.get("points", {}), frames)
+            scene = sections.scene(found.get("scene", {}), folder)
+            limits = sections.limits(found.get("limit", []), robots)
             waypoints = WaypointFile(text, str(self.path), beside=_OWN)
         except WrongField as error:
             where = ".".join(map(_shown, error.place))
@@ -91,9 +106,9 @@ class Cell(Mapping[str, Point]):
         except ValueError as error:
             raise CellFileError(f"{self.path} is no TOML: {error}") from error
         self.text, self.waypoints = text, waypoints
-        self.arm, self.robots, self._default = found.arm, found.robots, found.default
-        self.tool, self.gripper, self.frames = found.tool, found.gripper, found.frames
-        self._points, self._scene, self._limits = found.points, found.scene, found.limits
+        self.arm, self.robots, self._default = arm, robots, default
+        self.tool, self.gripper, self.frames = tool, gripper, frames
+        self._points, self._scene, self._limits = points, scene, limits
 
     def __repr__(self) -> str:
         named = f"{len(self.robots)} robots, {len(self)} points"
@@ -326,50 +341,6 @@ class Cell(Mapping[str, Point]):
         if not self.arm:
             raise ParameterError("arm", self.arm, f"given in {self.path}")
         return CellRobot(name="", host="", port=0, model=self.arm)
-
-
-class _Contents(NamedTuple):
-    """What the sections of a file say."""
-
-    arm: str
-    robots: dict[str, CellRobot]
-    default: str
-    tool: CellTool
-    gripper: CellGripper | None
-    frames: dict[str, Pose]
-    points: dict[str, CellPoint]
-    scene: sections.CellScene
-    limits: list[tuple[str, EnvelopeLimit]]
-
-
-def _contents(found: dict[str, Any], folder: Path) -> _Contents:
-    """Read the sections, but for those of waypoints.
-
-    Raises:
-        WrongField: a field is wrong.
-    """
-    sections.only((), found, _SECTIONS)
-    arm = sections.model(("arm",), found["arm"]) if found.get("arm", "") != "" else ""
-    robots, default = sections.robots(found.get("robots", {}), arm)
-    if not arm and not robots and {"limit", "scene"} & found.keys():
-        sections.wrong((), 'arm is missing: the model of the arm, such as arm = "gcr5_910"')
-    gripper = None
-    if "gripper" in found:
-        from aioduco.planning.cell.grippers import gripper as gripper_of  # noqa: PLC0415
-
-        gripper = gripper_of(found["gripper"])
-    frames = sections.frames(found.get("frames", {}))
-    return _Contents(
-        arm,
-        robots,
-        default,
-        sections.tool(found.get("tool", {}), folder),
-        gripper,
-        frames,
-        sections.points(found.get("points", {}), frames),
-        sections.scene(found.get("scene", {}), folder),
-        sections.limits(found.get("limit", []), robots),
-    )
 
 
 @asynccontextmanager
