@@ -100,18 +100,6 @@ class _Excess:
         return self._sum > _HOLD
 
 
-class _Sign(NamedTuple):
-    """A difference that has lasted, before its cause is named."""
-
-    quantity: Quantity
-    where: str
-    at: float
-    since: float
-    share: float
-    limit: float
-    unit: str
-
-
 class TwinMonitor:
     """Compares an arm with its twin.
 
@@ -148,7 +136,8 @@ class TwinMonitor:
         self._excess: dict[tuple[Quantity, str], _Excess] = {}
         #: differences that were reported, with the time at which they were last beyond a limit
         self._reported: dict[Quantity, float] = {}
-        self._signs: list[_Sign] = []
+        #: differences that have lasted, before their causes are named
+        self._signs: list[Divergence] = []
         self._changed_at = -math.inf
         #: whether arm and rehearsal stood at one place, and the rehearsal still does
         self._in_step = False
@@ -312,7 +301,10 @@ class TwinMonitor:
         if quantity in self._reported:
             self._reported[quantity] = at
         elif all(sign.quantity is not quantity for sign in self._signs):
-            self._signs.append(_Sign(quantity, where, at, excess.since, excess.worst, limit, unit))
+            since, value = excess.since, excess.worst * limit
+            self._signs.append(
+                Divergence(quantity, where, at, since, value, limit, unit, Cause.UNKNOWN, {})
+            )
 
     def _named(self, at: float, deviation: Deviation) -> list[Divergence]:
         """The divergences whose evidence is complete, with their causes."""
@@ -327,12 +319,7 @@ class TwinMonitor:
         for sign in signs:
             self._reported[sign.quantity] = at
             cause, estimate = self._cause(sign, kinds, deviation)
-            found.append(
-                Divergence(
-                    sign.quantity, sign.where, at, sign.since, sign.share * sign.limit,
-                    sign.limit, sign.unit, cause, estimate,
-                )
-            )  # fmt: skip
+            found.append(sign._replace(at=at, cause=cause, estimate=estimate))
         if kinds & {Quantity.PATH, Quantity.DELAY}:
             self._predictor.rehearsal.hide("the arm left the rehearsed path")
             for key in [key for key in self._excess if key[0] in (Quantity.PATH, Quantity.DELAY)]:
@@ -340,7 +327,7 @@ class TwinMonitor:
         return found
 
     def _cause(
-        self, sign: _Sign, kinds: set[Quantity], deviation: Deviation
+        self, sign: Divergence, kinds: set[Quantity], deviation: Deviation
     ) -> tuple[Cause, Mapping[str, float]]:
         if Quantity.GEOMETRY in kinds and sign.quantity in (Quantity.GEOMETRY, Quantity.PATH):
             return Cause.GEOMETRY, {}
