@@ -97,7 +97,8 @@ class ArmPictures:
             Distances along the camera's axis [m]. Shape (height, width).
         """
         shown = self.positions if positions is None else positions
-        return self._running().pictures.depth(shown, width, height, self._seen_by(camera))
+        pictures, seen = self._running().pictures, self._seen_by(camera)
+        return pictures.picture(shown, width, height, seen, depth=True)
 
     def window(self) -> Viewer:
         """Open MuJoCo's window with the arm; it needs a display.

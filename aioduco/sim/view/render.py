@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    Picture = NDArray[np.uint8]
-
 
 class PictureProcess:
     """Draws pictures of one model in a separate process.
@@ -54,8 +52,10 @@ class PictureProcess:
         height: int,
         camera: Camera | str,
         marks: Sequence[PictureMark] = (),
-    ) -> Picture:
-        """Draw a picture.
+        *,
+        depth: bool = False,
+    ) -> NDArray[Any]:
+        """Draw a picture, or measure distances from the camera's plane.
 
         Args:
             positions: positions of everything that moves.
@@ -63,41 +63,17 @@ class PictureProcess:
             height: height of the picture [pixels].
             camera: the camera, or the name of a camera of the scene.
             marks: balls that are drawn besides.
+            depth: whether to measure distances.
 
         Returns:
-            Red, green, blue. Shape (height, width, 3).
+            Red, green, blue, shape (height, width, 3); or distances along the camera's axis [m],
+            shape (height, width).
 
         Raises:
             ParameterError: The picture is too large, there is no such camera, or there are not as
                 many positions as the model has.
             RenderError: This computer cannot draw, or cannot start the process.
         """
-        picture: Picture = self._draw(positions, width, height, camera, tuple(marks), depth=False)
-        return picture
-
-    def depth(
-        self, positions: NDArray[np.float64], width: int, height: int, camera: Camera | str
-    ) -> NDArray[np.float32]:
-        """Measure distances from the camera's plane; arguments and errors as for `picture`.
-
-        Returns:
-            Distances along the camera's axis [m]. Shape (height, width).
-        """
-        distances: NDArray[np.float32] = self._draw(
-            positions, width, height, camera, (), depth=True
-        )
-        return distances
-
-    def _draw(
-        self,
-        positions: NDArray[np.float64],
-        width: int,
-        height: int,
-        camera: Camera | str,
-        marks: tuple[PictureMark, ...],
-        *,
-        depth: bool,
-    ) -> Any:
         most = self.model.vis.global_
         if not (0 < width <= most.offwidth and 0 < height <= most.offheight):
             raise ParameterError(
@@ -108,9 +84,9 @@ class PictureProcess:
             given = positions if shape is None else shape
             raise ParameterError("positions", given, f"an array of shape ({self.model.nq},)")
         seen = self._camera(camera)
-        request = PictureRequest(positions, width, height, seen, marks, depth)
+        request = PictureRequest(positions, width, height, seen, tuple(marks), depth)
         with self._lock, trial.untimed():
-            answer = self._ask(request)
+            answer: NDArray[Any] | str = self._ask(request)
         if isinstance(answer, str):
             raise RenderError(answer)
         return answer
