@@ -18,6 +18,7 @@ from opentelemetry.trace import Span, SpanKind, StatusCode, TracerProvider
 import aioduco
 from aioduco import ParameterError, Robot, RobotStateError, TaskState, events
 from aioduco._process.copying import Uncopied
+from aioduco._process.reporting import reporter
 from aioduco.models.trace import CallFinished, ConnectionOpened, ProcedureFinished, TraceEvent
 from aioduco.models.words import one_of
 
@@ -178,7 +179,8 @@ class Telemetry(Uncopied):
                 tasks.cancel_scope.cancel()
                 # without the error, which a group of tasks would wrap
                 await tasks.__aexit__(None, None, None)
-                self.close()
+                # behind the events that the hooks' thread has not passed on yet
+                reporter.put(self.close)
 
     def stream_ended(self, statistics: StreamStatistics, name: str = "") -> None:
         """Record the statistics of a stream: `telemetry.stream_ended(stream.statistics())`."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import threading
 import time
 from typing import TYPE_CHECKING, Any
 
@@ -219,6 +220,33 @@ def test_a_motion_whose_end_was_not_seen_is_told_so() -> None:
         (span.attributes or {})["duco.outcome"] for span in backend.spans("duco.motion movel")
     ]
     assert outcomes == ["unknown", "unknown"]
+
+
+async def test_an_end_that_the_hook_has_not_heard_of_yet_is_seen(
+    duco_simulator: Simulator,
+) -> None:
+    """The last motion of a program was told as one whose end is unknown, now and then."""
+    backend, gate = Backend(), threading.Event()
+    telemetry = backend.telemetry()
+
+    def late(event: TraceEvent) -> None:
+        if isinstance(event, CallFinished) and event.function == "get_noneblock_taskstate":
+            gate.wait(60.0)
+        telemetry(event)
+
+    address = (duco_simulator.host, duco_simulator.port)
+    async with aioduco.connect(*address, trace=late, clock=duco_simulator.clock) as robot:
+        async with telemetry.watching(robot):
+            await robot.bring_up()
+            await robot.motion.movej2([0.1] * 6, 1.0, 1.0)
+        gate.set()
+        await eventually_async(lambda: bool(backend.spans("duco.motion movej2")))
+    motions = [
+        each
+        for name in ("power_on", "enable", "movej2")
+        for each in backend.spans(f"duco.motion {name}")
+    ]
+    assert {(each.attributes or {})["duco.outcome"] for each in motions} == {"finished"}
 
 
 @pytest.mark.slow
