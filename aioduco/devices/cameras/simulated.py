@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Self
 
 from aioduco._process.copying import Uncopied
 from aioduco.devices.cameras.camera import CameraFrame, Intrinsics
+from aioduco.errors import ParameterError
 from aioduco.models.rules import Integer
 
 if TYPE_CHECKING:
@@ -31,13 +32,13 @@ class SimulatedCamera(Uncopied):
             frame = eye.read()
 
     Args:
-        simulator: the simulator, which must run when an image is taken.
+        simulator: the simulator, of this process, which must run when an image is taken.
         name: name of the camera in the MJCF; its `fovy` is the vertical angle of view.
         width, height: size of images, at most 1920 by 1080 [pixels].
         depth: whether to return distances, too; an image then takes twice as long.
 
     Raises:
-        ParameterError: there is no such camera, or an image cannot have that size.
+        ParameterError: there is no such camera or simulator, or an image cannot have that size.
     """
 
     def __init__(
@@ -49,6 +50,9 @@ class SimulatedCamera(Uncopied):
         height: int = 480,
         depth: bool = False,
     ) -> None:
+        if not hasattr(simulator, "field_of_view"):
+            here = "a Simulator of this process: one of Simulator.spawn has no pictures for others"
+            raise ParameterError("simulator", simulator, here)
         width, height = _WIDTH("width", width), _HEIGHT("height", height)
         self._simulator, self._name, self._depth = simulator, name, depth
         focal = 0.5 * height / math.tan(0.5 * simulator.field_of_view(name))

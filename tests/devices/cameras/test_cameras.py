@@ -375,6 +375,12 @@ EYE = '<mujoco><worldbody><camera name="eye" pos="0.05 0.02 0.03" quat="0 0.9962
 fovy="55"/></worldbody></mujoco>'
 
 
+@for_each("simulator", [Simulator.spawn(), None])
+def test_a_simulated_camera_is_of_a_simulator_of_this_process(simulator: Any) -> None:
+    with pytest.raises(ParameterError, match="a Simulator of this process"):
+        SimulatedCamera(simulator, "eye")
+
+
 @pytest.mark.slow
 def test_a_simulated_camera_is_found_by_its_views_of_a_board() -> None:
     """Depth and time, too; the controller's cycle goes on meanwhile."""
