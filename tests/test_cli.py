@@ -698,6 +698,9 @@ def test_a_command_says_why_it_cannot_be_carried_out(words: str, code: int, says
         ("play points.toml --outputs", "--outputs"),
         ("play points.toml --speed 2", "--speed"),
         ("play run.mcap --port 7003", "--port"),
+        ("play run.mcap --check --record again.mcap", "--record"),
+        (f"play run.mcap {NOBODY} --check --scene scene.xml", "--scene"),
+        (f"play run.mcap {NOBODY} --no-rehearse --scene scene.xml", "--scene"),
         ("plot stream.json --over run.mcap", "--over"),
         ("demo --port 7003", "--port"),
         ("call movel --describe --json", "--json"),
@@ -726,7 +729,7 @@ def test_an_option_that_has_no_effect_with_the_others_is_refused(
     words: str, option: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    for name in ("program.py", "points.toml", "run.mcap", "stream.json"):
+    for name in ("program.py", "points.toml", "run.mcap", "stream.json", "scene.xml"):
         (tmp_path / name).touch()
     answer = run(*words.split())
     assert answer.exit_code == 2, answer.output

@@ -68,9 +68,9 @@ def play(
         rehearse: Play it on a simulated arm before a real one.
         yes: Do not ask before an arm moves.
     """
-    _refuse_unused(context, file, host, speed)
-    require_writable("--record", record)
     simulates = not check and (host is None or rehearse)
+    _refuse_unused(context, file, host, speed, check=check, simulates=simulates)
+    require_writable("--record", record)
     extras.need("record", *(("sim",) if simulates else ()))
     if model is not None:
         extras.arm(model)
@@ -117,7 +117,19 @@ def play(
             task.on_arm(robot_at(host, port, cell), only_check=check, yes=yes)
 
 
-def _refuse_unused(context: typer.Context, file: Path, host: str | None, speed: float) -> None:
+def _refuse_unused(
+    context: typer.Context,
+    file: Path,
+    host: str | None,
+    speed: float,
+    *,
+    check: bool,
+    simulates: bool,
+) -> None:
+    if check:
+        refuse_unused(context, "playing it, without --check", "outputs", "record")
+    if not simulates:
+        refuse_unused(context, "the simulated arm, which is left out here", "scene")
     if host is None:
         refuse_unused(context, "HOST: without it, a simulated arm plays the file", "port")
     if file.suffix == ".toml":
