@@ -216,15 +216,15 @@ class ArmServices:
         raise DucoError(f"{error}. Force control was ended") from error
 
     async def stop_force_mode(self) -> ServiceReply:
-        """End what `start_force_mode` began: the arm stands, and then ends force control."""
+        """End force mode, also that of a driver before this one, once the arm stands."""
 
         async def run() -> None:
+            if not (self._force_mode or await self._robot.force.fc_mode_is_active()):
+                raise DucoError("force mode is off; nothing was sent")
             await self._robot.stop()
             await self._robot.force.fc_stop()
             self._force_mode = False
 
-        if not self._force_mode:
-            return ServiceReply(False, "force mode was not started here; nothing was sent")
         return await _answered(run(), "force mode has ended")
 
     async def load_program(self, name: str) -> ServiceReply:

@@ -158,6 +158,10 @@ async def test_force_mode_and_zeroing(node: ArmNode) -> None:
     assert await node.robot.force.fc_mode_is_active()
     await done(node, "force_mode_controller/stop_force_mode")
     assert not await node.robot.force.fc_mode_is_active()
+    # as by a driver that died, and was started again by its launch file
+    await node.robot.force.fc_start()
+    await done(node, "force_mode_controller/stop_force_mode")
+    assert not await node.robot.force.fc_mode_is_active()
 
 
 @pytest.mark.slow
