@@ -162,7 +162,7 @@ to     {pose_line([*target])}
             return robot.motion.movej_pose2(target, v=0.3, a=0.5)
         return robot.motion.movel(target, v=speed, a=acceleration)
 
-    carry_out(address, go, json)
+    carry_out(address, go, json, in_work_object=True)
 
 
 def ready_arm(address: RobotAddress, *, in_work_object: bool = False) -> dict[str, Any]:
@@ -185,14 +185,29 @@ def ready_arm(address: RobotAddress, *, in_work_object: bool = False) -> dict[st
     return found
 
 
-def carry_out(address: RobotAddress, motion: Callable[[Robot], Outcome], as_json: bool) -> None:
-    """Carry out a motion under supervision, and print how it ended."""
+def carry_out(
+    address: RobotAddress,
+    motion: Callable[[Robot], Outcome],
+    as_json: bool,
+    *,
+    in_work_object: bool = False,
+) -> None:
+    """Carry out a motion under supervision, and print how it ended, and where the arm is.
+
+    Args:
+        address: the robot.
+        motion: carries it out.
+        as_json: whether that is printed as JSON.
+        in_work_object: whether the tool's pose is that in the work object, and not in the base.
+    """
     begin = time.monotonic()
     with control_session(address) as robot:
         outcome = motion(robot)
         seconds = time.monotonic() - begin
         there: Sequence[float] = [*robot.state.get_actual_joints_position()]
-        tool: Sequence[float] = [*robot.state.get_tcp_pose()]
+        state = robot.state
+        pose = state.get_tcp_pose_coord() if in_work_object else state.get_tcp_pose()
+        tool: Sequence[float] = [*pose]
     if as_json:
         ended = {"outcome": outcome, "seconds": round(seconds, 3)}
         print_json(ended | {"joints": there, "pose": tool})
