@@ -325,6 +325,8 @@ def test_a_move_says_what_turns_and_asks() -> None:
         ("move", "pose", "0", "0", "-0.01", "0", "0", "0", "--by", "--host"),
         ("play", "points.toml", "--no-rehearse"),
         ("demo", "--no-plot", "--host"),
+        ("jog", "j1", "+", "--step", "0.1", "--host"),
+        ("check", "--motions", "run.mcap"),
     ],
     ids=lambda words: words[0] + words[1],
 )

@@ -14,6 +14,7 @@ from aioduco.cli.exit_codes import ended_by_errors, write_file, writing
 from aioduco.cli.options import numbers, refuse_unused, require_writable
 from aioduco.cli.output import say
 from aioduco.cli.questions import SAFE, ask
+from aioduco.cli.sessions import observing_session, require_still_at
 from aioduco.cli.status import look
 from aioduco.models.numpy_on_use import json_value
 
@@ -175,7 +176,11 @@ def _motions(address: RobotAddress, path: Path, extent: Extent, *, yes: bool) ->
         f"{1000 * extent.line:.0f} mm.{brakes}{lapses} It must be enabled, its elbow bent, and "
         f"with nothing within that space.\n{SAFE}"
     )
+    with observing_session(address) as robot:
+        here = robot.state.get_actual_joints_position()
     ask(what, "Move it?", yes=yes)
+    with observing_session(address) as robot:
+        require_still_at(robot, here)
     with ended_by_errors("interrupted: the arm was stopped", address.where):
         path = anyio.run(
             measure,

@@ -13,9 +13,12 @@ from aioduco.cli.addresses import CellFile, HostOption, Port, robot_at
 from aioduco.cli.move import carry_out, ready_arm
 from aioduco.cli.options import Json, Yes, refuse_unused, wrong_option
 from aioduco.cli.questions import SAFE, ask
+from aioduco.cli.sessions import require_still_at
 
 if TYPE_CHECKING:
+    from aioduco.models.enums import Outcome
     from aioduco.models.jog import JogDirections
+    from aioduco.sync import Robot
 
 
 _JOINT = re.compile(r"j([1-6])")
@@ -114,7 +117,7 @@ def jog(
             made = Jog.cartesian(named, sign, percent, frame=in_frame, step=length)
     directions = None if manual is None else manual.directions()
     address = robot_at(host, port, cell)
-    ready_arm(address)
+    here = ready_arm(address)["joints"]
     if length is None:
         far = f"for {seconds:g} s"
     else:
@@ -122,8 +125,9 @@ def jog(
     which = f"Joint {joint[1]} turns" if joint else f"The tool moves in {axis} of the {frame.value}"
     text = f"{which} in the direction {direction.value} {far}, at {percent:g} % of the jog speed."
     ask(f"arm    {address}\n{text}\n{SAFE}", "Jog the arm?", yes=yes)
-    carry_out(
-        address,
-        lambda robot: robot.motion.move_jog(made, time=seconds, directions=directions),
-        json,
-    )
+
+    def go(robot: Robot) -> Outcome:
+        require_still_at(robot, here)
+        return robot.motion.move_jog(made, time=seconds, directions=directions)
+
+    carry_out(address, go, json)
