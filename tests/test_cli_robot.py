@@ -327,6 +327,7 @@ def test_a_move_says_what_turns_and_asks() -> None:
         ("demo", "--no-plot", "--host"),
         ("jog", "j1", "+", "--step", "0.1", "--host"),
         ("check", "--motions", "run.mcap"),
+        ("payload", "--poses", "points.toml"),
     ],
     ids=lambda words: words[0] + words[1],
 )
@@ -336,7 +337,8 @@ def test_an_arm_that_was_moved_during_the_question_is_not_moved(
     """The command moved it to what was said of another place, by any way there was."""
     monkeypatch.chdir(tmp_path)
     file = WaypointFile.new()
-    file.add("one", HOME)
+    for number in range(8):
+        file.add(f"p{number}", HOME)
     file.save("points.toml")
     with ready_arm(speed=math.inf) as sim:
 

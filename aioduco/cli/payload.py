@@ -16,7 +16,7 @@ from aioduco.cli.extras import arm as arm_named
 from aioduco.cli.options import Json, Mounting, Yes, wrong_option
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import GIVES_WAY, SAFE, ask, typed_line
-from aioduco.cli.sessions import control_session
+from aioduco.cli.sessions import control_session, observing_session, require_still_at
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -115,6 +115,8 @@ def payload(
             f"The arm at {address} will turn all joints together to {len(file.waypoints)} poses, "
             f"in their order, at 17 °/s. {around}.\n{SAFE}"
         )
+    with observing_session(address) as robot:
+        here = robot.state.get_actual_joints_position()
     ask(what, "Begin?", yes=yes)
     # A person may take any time: hand guiding must not stop because no call is made.
     with control_session(address, hold_limit=None) as robot:
@@ -125,7 +127,7 @@ def payload(
         arm = known_arm or _arm(robot)
         _require_arm(robot, arm, file)
         robot.bring_up()
-        gone_to = _guided(robot) if file is None else _moved(robot, file)
+        gone_to = _guided(robot) if file is None else _moved(robot, file, here)
         joints, read = _readings(robot, sensor, gone_to)
         found = _found(robot, sensor, arm, joints, read, set_load, mounting)
         if json:
@@ -232,8 +234,9 @@ def _guided(robot: Robot) -> Iterator[Joints]:
         number += 1
 
 
-def _moved(robot: Robot, file: WaypointFile) -> Iterator[Joints]:
-    """The arm at rest at each waypoint of a file."""
+def _moved(robot: Robot, file: WaypointFile, here: Joints) -> Iterator[Joints]:
+    """The arm at rest at each waypoint of a file, from where it was at the question."""
+    require_still_at(robot, here)
     for waypoint in file.waypoints:
         robot.motion.movej2(waypoint.joints, v=_SPEED, a=_ACCELERATION)
         robot.sleep(_REST)
