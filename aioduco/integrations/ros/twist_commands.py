@@ -126,7 +126,8 @@ class TwistCommands(StreamedCommands):
                     try:
                         await stream.send((*rotated(turn, twist[:3]), *rotated(turn, twist[3:])))
                     except ParameterError as error:
-                        self._warn("out of range", "twist refused: %s", error)
+                        self._warn("out of range", "twist refused, the arm stands: %s", error)
+                        await stream.send(_STILL)  # it would go on with the twist before it
                     with anyio.move_on_after(self._timeout):
                         await self._changed.wait()
         finally:

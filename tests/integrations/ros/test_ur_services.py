@@ -211,6 +211,18 @@ async def test_twists_move_the_tool_while_they_arrive(node: ArmNode, sim: Simula
 
     async with sent(0.05, "base_link"):
         await eventually_async(lambda: np.abs(np.array(sim.joints) - START).max() > 0.03)
+    # one that is too fast brings the arm to rest, and the next one is followed
+    seen: list[Any] = [sim.time, np.array(sim.joints)]
+
+    def stands() -> bool:
+        if np.abs(np.array(sim.joints) - seen[1]).max() > 1e-4:
+            seen[:] = sim.time, np.array(sim.joints)
+        return bool(sim.time - seen[0] > 0.3)
+
+    async with sent(-50.0, "base_link"):
+        await eventually_async(stands)
+    async with sent(0.05, "base_link"):
+        await eventually_async(lambda: not stands())
     # what is refused does not let the arm go on with the twist before it
     async with sent(0.05, "camera"), sent(float("nan"), "base_link"):
         await eventually_async(lambda: not node.twists.following and not sim.moving)
