@@ -154,6 +154,11 @@ class WireLane:
         )
 
     @property
+    def is_open(self) -> bool:
+        """Whether it was opened, and is not closed: without that no call can be sent."""
+        return self._open
+
+    @property
     def connection(self) -> int | None:
         """Number of the connection of a lane that has one; None while it is not open."""
         open_now = any(isinstance(each, Channel) and each.connected for each in self._carriers)

@@ -60,6 +60,8 @@ def retried(lane: WireLane) -> AsyncRpc:
             except (ConnectError, ConnectionLost) as exc:
                 if call_kind(name) is not CallKind.READ or isinstance(exc, ProtocolError):
                     raise
+                if not lane.is_open:
+                    raise  # the robot was closed, or never opened
                 if time.monotonic() + (pause := next(following)) >= until:
                     raise
             await anyio.sleep(pause)

@@ -60,6 +60,17 @@ async def test_but_not_beyond_its_deadline(bench: Bench) -> None:
             proxy.accept()
 
 
+async def test_of_a_robot_that_is_not_open_it_fails_at_once(bench: Bench) -> None:
+    robot = aioduco.connect(bench.host, bench.port, call_timeout=600.0)
+    with anyio.fail_after(20):
+        with pytest.raises(aioduco.ConnectionLost, match="is not open yet"):
+            await robot.state.robotmoving()
+        async with robot:
+            pass
+        with pytest.raises(aioduco.ConnectionLost, match="is closed"):
+            await robot.state.robotmoving()
+
+
 @pytest.mark.parametrize("place", [Place.AFTER_REQUEST, Place.BEFORE_REPLY, Place.IN_REPLY])
 async def test_a_command_is_sent_once(bench: Bench, place: Place) -> None:
     bench.answer("set_standard_digital_out", 4)
