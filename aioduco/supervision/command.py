@@ -33,7 +33,8 @@ class MotionCommand(Uncopied):
       not raise raises the motion's error, as `await task` does, also one that the block has
       handled: a `try` around the block handles both.
 
-    It is no coroutine, so `asyncio.create_task` does not accept it: `start` returns a task.
+    It is no coroutine, so `asyncio.create_task` does not accept it: `start` returns a task. One
+    that is given to `asyncio.gather` is asked for when its task begins: no stop before ends it.
 
     It may be used again: each use moves the arm again. A motion that was never used gives a
     warning, as a coroutine does.
