@@ -17,7 +17,8 @@ Guarantees:
 - Each live task is polled in its turn, at the rate of `interval`.
 - A task that could not be polled for `LOST_AFTER` seconds ends with an unknown outcome. Nothing is
   assumed about it.
-- If another program stops a motion, those that this program has sent after it are stopped, too.
+- If another program stops a motion, those that this program has sent after it are stopped, too,
+  and all permits end.
 - The next motion of a path is not sent while another program's task may brake the arm: see
   `others_ended`.
 - A motion that cannot be followed any more, or is overdue, is stopped. Its await ends when the arm
@@ -41,6 +42,7 @@ from aioduco.errors import ControllerError, DucoError, StopUnconfirmed, TaskUnkn
 from aioduco.models.enums import Outcome, TaskState
 from aioduco.models.trace import tell
 from aioduco.supervision.concurrency import GRID, Alarm, BackgroundTasks, on_grid, run_to_completion
+from aioduco.supervision.gate import PermitEnding
 from aioduco.supervision.task import Task, TaskControl
 from aioduco.supervision.task_command import Command
 from aioduco.supervision.task_state import STOOD, Successor, added_entries
@@ -471,7 +473,10 @@ class TaskFollower:
                 errors, self._error_list = found, tuple(found)
         told = task.life.end_seen and task.life.outcome is Outcome.FINISHED
         if task.motion and (told or task.life.outcome is Outcome.STOPPED):
-            # What this program has sent meanwhile would move an arm that somebody else has stopped.
+            if not told and not task.life.stop_seen:
+                # Somebody else has stopped the arm: what was asked for before does not move it.
+                self._arm.permits.gate.end(PermitEnding.STOPPED)
+            # What this program has sent meanwhile would move it, too.
             again = not told and await self._goes_on(task)
             step = self._arm.halt if again else partial(self._standstill, task)
             self._background.start(

@@ -13,6 +13,7 @@ from client.bench import HOME, POSE, Bench
 
 import aioduco
 import aioduco.sync
+from aioduco import Outcome
 from aioduco.envelope import Envelope, Zone
 from aioduco.errors import (
     HeartbeatLost,
@@ -410,6 +411,19 @@ async def test_nothing_of_a_block_is_sent_after_a_stop(bench: Bench) -> None:
                 await robot.motion.movej2(HOME, v=1.0, a=1.0)
         assert await robot.motion.movej2(HOME, v=1.0, a=1.0)  # a new command
     assert bench.commands.count("movej2") == 3
+
+
+async def test_nothing_of_a_block_is_sent_after_another_programs_stop(bench: Bench) -> None:
+    bench.motion_time = 30.0
+    async with aioduco.connect(bench.host, bench.port) as robot:
+        with robot.permit("pick"):
+            task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+            bench._stop(False)
+            assert await task.wait() is Outcome.STOPPED
+            with pytest.raises(TaskStopped, match="was not sent"):
+                await robot.motion.movej2(HOME, v=1.0, a=1.0)
+        assert len(bench.received("movej2")) == 1
+        await robot.motion.movej2(HOME, v=1.0, a=1.0).start()  # a new command
 
 
 def test_a_block_of_the_blocking_face_ends_with_a_stop_of_another_thread(bench: Bench) -> None:
