@@ -415,6 +415,9 @@ class Session(OpenStream):
             # At once: the worker detects the closed socket, and would report that as its reason.
             self._crashed(error)
             raise
+        gate = self._endpoint.gate
+        if gate is not None and self._worker_reason is Reason.STOPPED and not self._halted:
+            gate.end(PermitEnding.STOPPED)  # by another program
         lost = self._worker_reason is Reason.WORKER_DIED or self._word(StatusWord.MODE)
         lost = lost or self._word(StatusWord.UNSTOPPED)
         if lost and self._endpoint.stop is not None:

@@ -26,6 +26,7 @@ from aioduco.errors import OutcomeUnknown, RobotStateError
 from aioduco.models.enums import Outcome, TaskState
 from aioduco.supervision.command_result import taken
 from aioduco.supervision.concurrency import every, on_grid, run_to_completion
+from aioduco.supervision.gate import PermitEnding
 from aioduco.supervision.stop_channel import refusal
 from aioduco.supervision.task import OnCancel, Task
 from aioduco.supervision.task_command import Command
@@ -272,6 +273,9 @@ class Dispatcher:
             await anyio.lowlevel.checkpoint_if_cancelled()  # from here to the send is no other
             self._admit(command, permit)
         answer = await self._answer(command, lane, permit, timeout, mode)
+        if answer == TaskState.STOPPED:
+            # by another program: after a stop by this one there would be an error
+            self._gate.end(PermitEnding.STOPPED)
         if answer < 0 or TaskState(answer).ended or (as_task and answer > max(TaskState)):
             return answer
         if mode is not None:

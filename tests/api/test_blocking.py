@@ -266,6 +266,16 @@ async def test_in_a_permit_that_has_ended_nothing_is_sent(robot: aioduco.Robot, 
     assert await line(robot) is TaskState.FINISHED
 
 
+async def test_another_programs_stop_ends_a_permit(robot: aioduco.Robot, desk: Desk) -> None:
+    desk.answer("movel", TaskState.STOPPED)
+    with robot.permit("pick"):
+        with pytest.raises(aioduco.TaskStopped, match="movel was stopped"):
+            await line(robot)
+        with pytest.raises(aioduco.TaskStopped, match="was not sent"):
+            await line(robot)
+    assert len(desk.received("movel")) == 1
+
+
 async def test_a_robot_that_is_not_open_sends_nothing(desk: Desk) -> None:
     with pytest.raises(aioduco.RobotStateError, match="movel was not sent"):
         await line(aioduco.connect(desk.host, desk.port))
