@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from itertools import combinations
 from typing import TYPE_CHECKING, Final
 
 from aioduco.errors import CalibrationError, MissingExtra
@@ -74,8 +75,8 @@ def calibrate(
         The profile with its intervals, and what was left out in words.
 
     Raises:
-        CalibrationError: the recordings do not fit the arm, are of different arms, or show
-            nothing about it.
+        CalibrationError: the recordings do not fit the arm, are of different arms, show nothing
+            about it, or one is a copy of another.
         RecordingError: a file cannot be read.
         ParameterError: no such model.
         MissingExtra: the extra `calibrate` is not installed.
@@ -87,6 +88,12 @@ def calibrate(
 def profile_of(runs: Sequence[Evidence], *, model: str | None = None) -> Calibration:
     """Estimate an arm's profile from what its recordings say; see `calibrate`."""
     name = _model(runs, model)
+    for one, two in combinations(runs, 2):
+        if one.says_the_same(two):
+            raise CalibrationError(
+                f"{two.name} says the same as {one.name}, and would count twice: leave one out; no "
+                "profile was made"
+            )
     with MissingExtra.named("calibration", "calibrate"):
         found = _findings(runs, name)
     values = {each.section: dict(each.values) for each in found if each.values}

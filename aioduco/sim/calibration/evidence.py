@@ -145,6 +145,16 @@ class Evidence:
     corners: tuple[Corner, ...] = ()
     tool: Array | None = None
 
+    def says_the_same(self, other: Evidence) -> bool:
+        """Whether the other one is of the same recording, as a copy with an index is."""
+        pairs = (
+            (self.motions.time, other.motions.time),
+            (self.joints.begin, other.joints.begin),
+            (self.poses.joints, other.poses.joints),
+        )
+        some = any(len(one) for one, _ in pairs)
+        return some and all(np.array_equal(one, two) for one, two in pairs)
+
 
 class _Call(NamedTuple):
     function: str

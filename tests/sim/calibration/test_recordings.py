@@ -143,6 +143,14 @@ def test_recordings_of_two_arms_are_refused() -> None:
         profile_of([one, two])
 
 
+def test_a_recording_counts_once() -> None:
+    """A copy, such as one with an index, made the intervals narrower than the data are."""
+    random = np.random.default_rng(4)
+    run = replace(empty("run.mcap"), poses=poses_of(ArmProfile(MODEL), configurations(random, 12)))
+    with pytest.raises(CalibrationError, match=r"run-indexed\.mcap says the same as run\.mcap"):
+        profile_of([run, replace(run, name="run-indexed.mcap")])
+
+
 @pytest.mark.slow
 def test_a_model_that_is_not_known_is_asked_for() -> None:
     random = np.random.default_rng(2)
