@@ -210,6 +210,7 @@ class JointCommands(StreamedCommands):
                         target = newest
                     except SetPointTooFar as error:
                         self._warn("step", "joint command left out: %s", error)
+                        await stream.send(target)  # it would end for want of set-points
                     if self._waiting:
                         ahead = max(self._waiting[0][0] - came, 0.0) / _FASTER
                         await anyio.sleep_until(anyio.current_time() + ahead)

@@ -73,6 +73,18 @@ async def test_commands_lead_the_arm_and_their_end_frees_it(sim: Simulator) -> N
 
 
 @pytest.mark.slow
+async def test_commands_that_are_left_out_keep_the_arm_where_it_is(sim: Simulator) -> None:
+    """Some seconds of them ended the stream, and none after them was followed."""
+    async with running(sim) as node:
+        await lead(node, sim, way(0.2, 0.1))
+        begin = sim.time
+        async with commanding(node, way(1.0, 0.5)):
+            await eventually_async(lambda: sim.time > begin + 4.0)
+        np.testing.assert_allclose(sim.joints, way(0.2, 0.1), atol=3e-3)
+        await lead(node, sim, way(0.4, 0.1))
+
+
+@pytest.mark.slow
 async def test_a_stop_is_not_undone_by_commands_that_go_on(sim: Simulator) -> None:
     async with running(sim, command_timeout=10.0) as node:
         await lead(node, sim, way(0.2, 0.1))
