@@ -135,7 +135,7 @@ class Freedrive(StreamedCommands):
         """Take a request: true begins hand guiding, or keeps it; false ends it."""
         self._note_command()
         self._blocked = self._blocked and wanted
-        self._asked = wanted and not self._blocked
+        self._asked = wanted and not self._refused()
         self._changed.set()
 
     def _block(self) -> None:
