@@ -16,7 +16,7 @@ from aioduco._process.copying import Uncopied
 from aioduco._process.platform import has_device_files, single_keys
 from aioduco.devices.teleoperation.gamepad import Gamepad
 from aioduco.devices.teleoperation.keyboard import Keyboard
-from aioduco.devices.teleoperation.reading import STANDING, Reading
+from aioduco.devices.teleoperation.reading import HELD, STANDING, Reading
 from aioduco.devices.teleoperation.spacemouse import SpaceMouse
 from aioduco.errors import ParameterError
 
@@ -26,6 +26,8 @@ _MOST = 4096
 _READS, _REPORTS = 16, 256
 #: seconds between two readings from which on what came meanwhile may be long past
 _UNREAD = 0.5
+#: seconds after which nothing counts as held: a finite time for what came before the first reading
+_LONG_PAST = HELD.high + 1.0
 
 
 class _Meaning(Protocol):
@@ -107,7 +109,9 @@ class InputDevice(Uncopied):
         """
         if self._descriptor < 0:
             raise ParameterError("device", repr(self), "open: use it in `with`")
-        came = now if now - self._read_at <= _UNREAD else self._read_at
+        came = now
+        if now - self._read_at > _UNREAD:
+            came = max(self._read_at, now - _LONG_PAST)
         self._read_at = now
         waits = select.poll()  # select() takes no descriptor above 1023
         waits.register(self._descriptor, select.POLLIN)
