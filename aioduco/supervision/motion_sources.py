@@ -153,8 +153,8 @@ class Modes:
             await self._leave(self._overdue)
         for ending in self._overdue:
             raise RobotStateError(
-                f"{name} was not sent: {ending} was not answered, so the mode that it ends may be "
-                "on; call robot.stop()"
+                f"{name} was not sent: {ending} was not answered, or refused, so the mode that it "
+                "ends may be on; call robot.stop()"
             )
 
     async def _leave(self, modes: Collection[str]) -> None:
@@ -167,9 +167,11 @@ class Modes:
                     self._overdue.discard(name)
                     continue
                 try:
-                    await self._channel.control(name, mode[0], _LEAVE_LIMIT)
+                    await self._end(name, mode[0])
                 except BaseException as exc:
-                    over = isinstance(exc, Refused | ControllerError)
+                    # a mode whose end is refused is not on, but a pool has its points
+                    over = isinstance(exc, ControllerError)
+                    over = over or (isinstance(exc, Refused) and name != TRACK_POOL)
                     if not over and self._on.get(name) == mode:
                         self._overdue.add(name)
                     if not isinstance(exc, DucoError | MemoryError):
@@ -179,6 +181,11 @@ class Modes:
                         _log.warning("%s after a stop failed: %s", name, str(exc) or repr(exc))
                 if over and self._on.get(name) == mode:  # it was not entered again meanwhile
                     self.over(name)
+
+    async def _end(self, name: str, args: tuple[bool, ...]) -> None:
+        answer = await self._channel.control(name, args, _LEAVE_LIMIT)
+        if name == TRACK_POOL and answer != TaskState.FINISHED:
+            raise Refused(name, answer, "the points of this program may still be in the pool")
 
     async def end_force_control(
         self, timeout: float, follow: Callable[[str, int, float], Awaitable[object]]

@@ -8,7 +8,7 @@ import pytest
 from wire.lanes import noted
 
 import aioduco
-from aioduco import Joints, PointOp, Pose
+from aioduco import Joints, PointOp, Pose, TaskState
 from aioduco.supervision.gate import PermitEnding
 from aioduco.testing import Cut, FaultProxy, Place, eventually_async
 from api.desk import Desk
@@ -221,3 +221,18 @@ async def test_a_pool_that_cannot_be_emptied_is_not_followed(pool: Desk) -> None
         proxy.clear()
         await robot.track.trackJointMotion(1.0, 2.0)
     assert pool.commands.count("trackJointMotion") == 1
+
+
+@pytest.mark.parametrize("answer", [TaskState.ILLEGAL, -1])
+async def test_a_pool_whose_emptying_is_refused_is_not_followed(
+    robot: aioduco.Robot, pool: Desk, answer: int
+) -> None:
+    """As while an emergency stop is pressed; it is emptied as soon as the controller allows it."""
+    await robot.track.trackEnqueue([Joints(*HOME)])
+    pool.answer("trackClearQueue", answer)
+    await robot.stop()
+    with pytest.raises(aioduco.RobotStateError, match="trackClearQueue was not answered, or ref"):
+        await robot.track.trackJointMotion(1.0, 2.0)
+    pool.answer("trackClearQueue", TaskState.FINISHED)
+    await robot.track.trackJointMotion(1.0, 2.0)
+    assert pool.commands[-2:] == ["trackClearQueue", "trackJointMotion"]

@@ -43,7 +43,7 @@ from aioduco.streaming.worker.clock import ProcessorShare, Schedule, sharpen_sle
 from aioduco.streaming.worker.drivers import CallDriver, ProbeDriver
 from aioduco.streaming.worker.permit import PermitEnded, StreamPermit
 from aioduco.streaming.worker.rest import bring_to_rest
-from aioduco.streaming.worker.watch import ended
+from aioduco.streaming.worker.watch import ended, refused
 from aioduco.supervision.unanswered import UnansweredMotion
 
 if TYPE_CHECKING:
@@ -186,6 +186,7 @@ class StreamWorker:
         if reason in _STOPS or lost or (reason is Reason.STOPPED and not halted):
             calls.append(("stop", True))
         error: DucoError | None = None
+        pool = sent.kind == "pool"  # if its end is refused, its points are still there
         for name, *args in calls:
             connection = own.ready()
             try:
@@ -193,7 +194,7 @@ class StreamWorker:
             except DucoError as exc:
                 error = exc  # the next call is still tried
                 continue
-            if name == sent.ending and answer >= 0:
+            if name == sent.ending and answer >= 0 and not (pool and refused(answer)):
                 status[StatusWord.MODE] = 0
         if error is not None:
             raise error
