@@ -159,7 +159,8 @@ async def test_a_stop_ends_the_mode_once(bench: Queue) -> None:
     assert len(bench.received("end_realtime_mode")) == 1
 
 
-async def test_the_pool_of_a_stopped_stream_is_empty(bench: Queue) -> None:
+@pytest.mark.parametrize("refused", [False, True])
+async def test_the_pool_of_a_stopped_stream_is_empty(bench: Queue, *, refused: bool) -> None:
     async with aioduco.connect(bench.host, bench.port) as robot:
 
         async def program() -> None:
@@ -169,12 +170,20 @@ async def test_the_pool_of_a_stopped_stream_is_empty(bench: Queue) -> None:
                     await stream.send(HOME)
                 await eventually_async(lambda: bench.received("trackJointMotion"))
                 emptied.append(len(bench.received("trackClearQueue")))
+                if refused:
+                    bench.answer("trackClearQueue", 7)
                 await robot.stop()
 
         emptied: list[int] = []
         with pytest.raises(StreamError):
             await program()
-        assert [len(bench.received("trackClearQueue")) - 1] == emptied
+        if refused:
+            with pytest.raises(aioduco.RobotStateError, match="trackClearQueue was not answered"):
+                await robot.motion.movej2(HOME, v=1.0, a=1.0)
+            bench.answer("trackClearQueue", 4)
+            await robot.motion.movej2(HOME, v=1.0, a=1.0)
+        else:
+            assert [len(bench.received("trackClearQueue")) - 1] == emptied
         assert "trackClearQueue" not in robot._supervisor.stop_coordinator.modes
 
 
