@@ -9,7 +9,15 @@ from aioduco._wire.rpc import WireCall, calls
 from aioduco.api.points import points_with_outputs
 from aioduco.api.section import Section, check_finished
 from aioduco.api.streams.track import TrackStreams
-from aioduco.errors import DucoError, OutcomeUnknown, RobotStateError, TaskStopped, TrackPoolFull
+from aioduco.errors import (
+    ControllerError,
+    DucoError,
+    OutcomeUnknown,
+    Refused,
+    RobotStateError,
+    TaskStopped,
+    TrackPoolFull,
+)
 from aioduco.models import ranges
 from aioduco.models.pose import Joints, JointsLike, Pose, PoseLike
 from aioduco.supervision.gate import PermitEnding
@@ -231,7 +239,7 @@ class Track(Section, TrackStreams):
                 self._feed(call, TRACK_POOL) if self._followed else self._rpc.send(call)
             )
             _taken(call.name, answer)
-        except (OutcomeUnknown, TrackPoolFull):
+        except (OutcomeUnknown, Refused, ControllerError):
             raise  # some may be in the pool
         except DucoError:
             self._last_kind = held

@@ -113,6 +113,16 @@ async def test_points_whose_fate_is_unknown_count(pool: Desk) -> None:
             await robot.track.trackEnqueue([Pose(*POSE)])
 
 
+async def test_points_of_which_the_answer_says_nothing_count(
+    robot: aioduco.Robot, pool: Desk
+) -> None:
+    pool.answer("trackEnqueue", TaskState.RUNNING)
+    with pytest.raises(aioduco.Refused):
+        await robot.track.trackEnqueue([Joints(*HOME)])
+    await robot.stop()
+    assert "trackClearQueue" in pool.commands
+
+
 async def test_points_after_the_arm_followed_some_are_stopped_at_the_end(pool: Desk) -> None:
     """The arm may follow them by itself (manual 1.3.12), and no task tells of it."""
     async with aioduco.connect(pool.host, pool.port) as robot:
