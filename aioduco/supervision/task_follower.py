@@ -473,7 +473,7 @@ class TaskFollower:
                 errors, self._error_list = found, tuple(found)
         told = task.life.end_seen and task.life.outcome is Outcome.FINISHED
         if task.motion and (told or task.life.outcome is Outcome.STOPPED):
-            if not told and not task.life.stop_seen:
+            if not (told or task.life.stop_seen or task.stopped_by):
                 # Somebody else has stopped the arm: what was asked for before does not move it.
                 self._arm.permits.gate.end(PermitEnding.STOPPED)
             # What this program has sent meanwhile would move it, too.
