@@ -241,14 +241,20 @@ class TrajectoryServer:
     async def pause(self) -> bool:
         """Bring the arm to rest on the path of the running goal, which goes on by `resume`.
 
+        So is a newer goal that comes in its place meanwhile.
+
         Returns:
             Whether a goal is paused; otherwise it has ended, or goes on again.
         """
-        if self._queue.running is not None and not self._paused:
-            self._paused, self._resumed = True, anyio.Event()
-            self._end_part()
-        if self._paused and self._part is not None:
-            await self._at_rest.wait()  # an earlier pause may still bring it to rest
+        while self._queue.running is not None:
+            if not self._paused:
+                self._paused, self._resumed = True, anyio.Event()
+                self._end_part()
+            resumed = self._resumed
+            if self._part is not None:
+                await self._at_rest.wait()  # an earlier pause may still bring it to rest
+            if self._paused or resumed.is_set():
+                break
         return self._paused
 
     def resume(self) -> bool:

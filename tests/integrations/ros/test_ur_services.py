@@ -285,6 +285,27 @@ async def test_a_goal_survives_a_pause_and_another_speed(
 
 
 @pytest.mark.slow
+async def test_a_pause_holds_the_goal_that_comes_in_place_of_the_running_one(
+    node: ArmNode, sim: Simulator
+) -> None:
+    """It was answered by a failure, and the arm went on with the newer goal."""
+    older = Client(goal(count=50, duration=60.0))
+    node.goals.submit(older)
+    await eventually_async(lambda: older.seen and older.seen[-1].time > 0.3)
+    back = goal().points[0]._replace(time=2.0, positions=START)
+    newer = Client(goal(points=[back], goal_time_tolerance=60.0))
+    node.goals.submit(newer)
+    assert (await node.services.pause()).success
+    place, paused = sim.joints, sim.time
+    await eventually_async(lambda: sim.time > paused + 1.0)
+    assert sim.joints.almost_equal(place, 1e-3)
+    assert older.told == ["accepted", "cancelled"]
+    assert (await node.services.resume()).success
+    await eventually_async(lambda: newer.done)
+    assert newer.told == ["accepted", "succeeded"], newer.text
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("how", ["stop", "recover", "emergency stop"])
 async def test_a_paused_goal_ends_by_a_stop(node: ArmNode, sim: Simulator, how: str) -> None:
     """After an emergency stop and `recover`, a resume let the arm go on with it."""
