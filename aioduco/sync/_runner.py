@@ -218,8 +218,8 @@ class Runner:
 
     def _wait_for_end(self) -> None:
         self._asked_to_end = True
-        uninterrupted(self._ended.wait)
-        uninterrupted(self._thread.join)
+        for interrupt in uninterrupted(self._ended.wait) + uninterrupted(self._thread.join):
+            raise interrupt
 
     def ask_to_close(self) -> None:
         """Request that the loop closes the robot and ends; do not wait. From any thread."""

@@ -6,6 +6,7 @@ import signal
 import threading
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from api.desk import Desk
@@ -113,6 +114,22 @@ def test_a_stop_that_failed_is_its_cause(desk: Desk, interrupts: Interrupts) -> 
     assert isinstance(caught.value.__cause__, StopUnconfirmed)
     with pytest.raises(StopUnconfirmed):
         robot.close()
+
+
+@pytest.mark.parametrize("kind", [KeyboardInterrupt, SystemExit])
+def test_one_at_the_end_of_closing_is_not_lost(
+    desk: Desk, interrupts: Interrupts, kind: type[BaseException]
+) -> None:
+    robot = aioduco.sync.connect(desk.host, desk.port)
+    robot.open()
+    with ThreadPoolExecutor(1) as pool:
+        call = pool.submit(robot.sleep, 600.0)  # so that the loop ends a while after the robot
+        eventually(lambda: len(robot._runner._calls) == 1)
+        ending = lambda: robot._runner.closing  # noqa: E731  # read better in one line
+        with raised_by_ctrl_c(kind), interrupts(ending), pytest.raises(kind):
+            robot.close()
+        assert not robot._runner.running
+        assert isinstance(call.exception(), aioduco.RobotStateError)
 
 
 def test_outside_of_a_call_leaving_the_block_stops_the_arm(
