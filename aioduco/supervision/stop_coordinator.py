@@ -641,7 +641,7 @@ class StopCoordinator:
                 await self._controlled("abort")
                 await self.modes.leave()
                 await self.standstill()
-                if overtaken:
+                if overtaken or self.worker_died:
                     await self.stop_until_certain(overtaken)
         except StopUnconfirmed:
             raise

@@ -274,8 +274,9 @@ async def test_what_it_had_sent_is_not_left_paused(sim: Simulator, totals: Count
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("way", ["stop", "abort"])
 async def test_a_stop_does_not_wait_for_a_worker_that_hangs(
-    robot: aioduco.Robot, sim: Simulator, monkeypatch: pytest.MonkeyPatch
+    robot: aioduco.Robot, sim: Simulator, monkeypatch: pytest.MonkeyPatch, way: str
 ) -> None:
     monkeypatch.setattr("aioduco.supervision.motion_sources._SILENCE", 0.2)
     async with no_leaks():
@@ -286,7 +287,9 @@ async def test_a_stop_does_not_wait_for_a_worker_that_hangs(
                 await stream.send(START)
                 assert stream.pid is not None
                 os.kill(stream.pid, signal.SIGSTOP)
-                await robot.stop()
+                await getattr(robot, way)()
+                # what it sent last cannot move the arm any more
+                assert not robot._supervisor.stop_coordinator.worker_died
                 await stream.ended()
 
         with pytest.raises(WorkerFailed, match="killed by SIGKILL"):
