@@ -111,10 +111,11 @@ def play(
         if check and host is None:
             task.check()
             return
+        address = None if host is None else robot_at(host, port, cell)
         if simulates:
-            task.simulate(around, keep=host is None)
-        if host is not None:
-            task.on_arm(robot_at(host, port, cell), only_check=check, yes=yes)
+            task.simulate(around, address)
+        if address is not None:
+            task.on_arm(address, only_check=check, yes=yes)
 
 
 def _refuse_unused(

@@ -12,10 +12,12 @@ from aioduco.cli.exit_codes import fail
 from aioduco.cli.output import say
 from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.sessions import control_session, observing_session, require_still_at
+from aioduco.errors import UnknownFunction
 from aioduco.kinematics import arm
+from aioduco.kinematics.catalogue import model_named
 from aioduco.recording.playback import RecordedPath, WaypointFile, check_path
 from aioduco.recording.playback.path_check import check_waypoints, fastest
-from aioduco.recording.playback.player import for_another_arm
+from aioduco.recording.playback.player import arm_named, for_another_arm
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -66,16 +68,17 @@ class PlayedFile:
             _report(check_waypoints(self.content, known, envelope=limits))
         say(_NOTHING)
 
-    def simulate(self, around: dict[str, Any], *, keep: bool) -> None:
-        """Play it on a simulated arm; errors there are raised."""
+    def simulate(self, around: dict[str, Any], address: RobotAddress | None) -> None:
+        """Play it on a simulated arm, such as the one at an address; errors there are raised."""
         from aioduco.sim import Simulator  # noqa: PLC0415 - it loads MuJoCo
 
-        model = self.model or "gcr5_910"
+        told = self.model if self.model or address is None else _reported(address)
+        model = told or "gcr5_910"
         say(f"on a simulated {model}: {self}")
         options = {**around, "model": model}
         if isinstance(self.content, RecordedPath):
             options["joints"] = list(self.content.start)
-        record = self.record if keep else None
+        record = self.record if address is None else None
         with (
             Simulator.spawn(**options) as sim,
             aioduco.sync.connect(sim.host, sim.port, clock=sim.clock, record=record) as robot,
@@ -143,6 +146,16 @@ class PlayedFile:
             return
         count = aioduco.sync.run_waypoints(robot, self.content, arm=self.model, speed=self.speed)
         say("1 waypoint was reached" if count == 1 else f"{count} waypoints were reached")
+
+
+def _reported(address: RobotAddress) -> str | None:
+    """The model that a controller reports; None if it reports none, or an unknown one."""
+    with observing_session(address) as robot:
+        try:
+            found = model_named(arm_named(robot.version.get_robot_type()))
+        except UnknownFunction:
+            return None
+    return None if found is None else found.name
 
 
 def _say_where(recording: Recording | None) -> None:

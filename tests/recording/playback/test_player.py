@@ -407,6 +407,18 @@ def test_play_checks_and_asks_before_an_arm_moves(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+def test_a_file_for_any_arm_is_rehearsed_on_the_one_that_the_controller_reports(
+    tmp_path: Path,
+) -> None:
+    """It was rehearsed on a GCR5, whichever arm was to play it."""
+    file = write(tmp_path / "run.mcap", arm="")
+    with Simulator("gcr10_1300", joints=HOME) as sim:
+        declined = run("play", str(file), sim.host, "--port", str(sim.port), typed="n\n")
+    assert declined.exit_code == 3, declined.output
+    assert "on a simulated gcr10_1300" in declined.stdout
+
+
+@pytest.mark.slow
 def test_play_keeps_to_an_envelope(tmp_path: Path) -> None:
     file = str(write(tmp_path / "run.mcap"))
     kept = tmp_path / "cell.toml"
