@@ -109,8 +109,10 @@ def _file(
                 nonlocal ended
                 if ended:
                     return
+                data = f"{line(call)}\n".encode()
                 try:
-                    file.write(f"{line(call)}\n".encode())
+                    while data:  # a disk that is nearly full takes a part
+                        data = data[file.write(data) :]
                 except OSError as error:
                     # The tap goes on: its end would cut off the client, and so stop the arm.
                     ended = True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import re
@@ -16,6 +17,7 @@ import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 from client.bench import HOME, Bench
@@ -317,6 +319,23 @@ def test_a_full_disk_ends_the_file_alone(capsys: pytest.CaptureFixture[str]) -> 
             write("a call")  # type: ignore[arg-type]
     said = capsys.readouterr().err
     assert said == "/dev/full ended early: No space left on device; the tap goes on\n"
+
+
+def test_a_line_of_which_the_disk_takes_a_part_at_first_is_whole(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The next line followed the part."""
+
+    class Nearly(io.FileIO):
+        def write(self, data: Any) -> int:
+            return super().write(data[: 100 if self.tell() else 3])
+
+    path = tmp_path / "calls.jsonl"
+    monkeypatch.setattr(tap_command, "open", lambda *_, **__: Nearly(path, "ab"), raising=False)
+    with tap_command._file(path, "127.0.0.1", 7003, str) as write:
+        for _ in range(2):
+            write("a call")  # type: ignore[arg-type]
+    assert path.read_text() == "a call\na call\n"
 
 
 @pytest.mark.parametrize("step", [-7200.0, 3600.0])
