@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from aioduco._wire.rpc import calls
 from aioduco.api.section import Section
-from aioduco.errors import ControllerError, Refused, RobotStateError, TaskError, TaskUnknown
+from aioduco.errors import Refused, RobotStateError, TaskError, TaskUnknown, UnknownFunction
 from aioduco.models import ranges
 from aioduco.models.state import Vector, vector
 
@@ -55,8 +55,11 @@ class Force(Section):
         was_on, modes.force_control = modes.force_control, True
         try:
             await self._carry_out(calls.fc_start(), _LIMIT)
-        except (TaskError, Refused, ControllerError, RobotStateError) as exc:
-            if not isinstance(exc, TaskUnknown):
+        except (TaskError, Refused, UnknownFunction, RobotStateError) as exc:
+            # an answer that is neither an end nor a refusal leaves it open
+            code = exc.code if isinstance(exc, Refused) else -1
+            unsure = isinstance(exc, TaskUnknown) or (isinstance(code, int) and code >= 0)
+            if not unsure:
                 modes.force_control = was_on
             raise
 

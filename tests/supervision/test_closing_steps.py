@@ -303,6 +303,15 @@ async def test_force_control_that_was_ended_is_not_ended_again(bench: Bench) -> 
     assert bench.commands == ["fc_start", "fc_stop", "fc_start"]
 
 
+async def test_force_control_whose_start_was_answered_by_no_end_is_ended(bench: Bench) -> None:
+    bench.answer("fc_start", TaskState.RUNNING)
+    bench.answer("fc_stop", 4)
+    async with aioduco.connect(bench.host, bench.port) as robot:
+        with pytest.raises(aioduco.Refused):
+            await robot.force.fc_start()
+    assert bench.commands == ["fc_start", "fc_stop"]
+
+
 @pytest.mark.filterwarnings("ignore::ResourceWarning")
 async def test_a_robot_that_is_forgotten_warns(bench: Bench) -> None:
     robot = aioduco.connect(bench.host, bench.port)
