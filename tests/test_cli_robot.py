@@ -400,9 +400,10 @@ def test_a_pose_in_a_work_object_is_told_in_it() -> None:
     with ready_arm(speed=math.inf) as sim:
         with aioduco.sync.connect(sim.host, sim.port, heartbeat=None) as robot:
             robot.frames.set_wobj("table", (0.1, 0.2, 0.3, 0, 0, 0.5))
-            there = [*robot.state.get_tcp_pose_coord().shifted(z=0.02)]
+            there = robot.state.get_tcp_pose_coord().shifted(z=0.02)
         done = run("move", "pose", *map(str, there), "--yes", "--json", *address(sim))
-        assert json.loads(done.stdout)["pose"] == pytest.approx(there, abs=1e-3)
+        told = json.loads(done.stdout)["pose"]
+        assert there.almost_equal(told, position=1e-3, rotation=1e-3)
 
 
 def test_an_arm_that_is_not_ready_is_not_moved() -> None:

@@ -25,9 +25,7 @@ class _Launcher:
     async def perform(self, name: str, args: tuple[Any, ...], _timeout: float) -> None:
         await self._answer(name, args)
 
-    async def conduct(
-        self, command: Any, _lane: Any, _timeout: float | None, _mode: Any = None
-    ) -> Any:
+    async def conduct(self, command: Any, *_: Any, **_options: Any) -> Any:
         return await self._answer(command.name, command.args)
 
     async def block(self, command: Any, _lane: Any) -> TaskState:
