@@ -16,7 +16,12 @@ from aioduco.cli.extras import arm as arm_named
 from aioduco.cli.options import Json, Mounting, Yes, wrong_option
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import GIVES_WAY, SAFE, ask, typed_line
-from aioduco.cli.sessions import control_session, observing_session, require_still_at
+from aioduco.cli.sessions import (
+    control_session,
+    observing_session,
+    reported_arm,
+    require_still_at,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -201,10 +206,7 @@ def _check_ways(cell: Cell, name: str | None, start: Joints, file: WaypointFile)
 
 def _arm(robot: Robot) -> Arm:
     """The arm that the controller reports."""
-    from aioduco.kinematics.catalogue import model_named  # noqa: PLC0415
-    from aioduco.recording.playback.player import arm_named as told  # noqa: PLC0415
-
-    found = model_named(told(robot.version.get_robot_type()))
+    found = reported_arm(robot)
     if found is None:
         fail("the controller tells no arm that is known: --model says which one it is")
     return found

@@ -11,13 +11,16 @@ import aioduco.sync
 from aioduco.cli.exit_codes import fail
 from aioduco.cli.output import say
 from aioduco.cli.questions import SAFE, ask
-from aioduco.cli.sessions import control_session, observing_session, require_still_at
-from aioduco.errors import UnknownFunction
+from aioduco.cli.sessions import (
+    control_session,
+    observing_session,
+    reported_arm,
+    require_still_at,
+)
 from aioduco.kinematics import arm
-from aioduco.kinematics.catalogue import model_named
 from aioduco.recording.playback import RecordedPath, WaypointFile, check_path
 from aioduco.recording.playback.path_check import check_waypoints, fastest
-from aioduco.recording.playback.player import arm_named, for_another_arm
+from aioduco.recording.playback.player import for_another_arm
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -151,10 +154,7 @@ class PlayedFile:
 def _reported(address: RobotAddress) -> str | None:
     """The model that a controller reports; None if it reports none, or an unknown one."""
     with observing_session(address) as robot:
-        try:
-            found = model_named(arm_named(robot.version.get_robot_type()))
-        except UnknownFunction:
-            return None
+        found = reported_arm(robot)
     return None if found is None else found.name
 
 

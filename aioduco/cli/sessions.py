@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from aioduco.cli.addresses import RobotAddress
     from aioduco.envelope import Envelope
+    from aioduco.kinematics import Arm
     from aioduco.models.pose import JointsLike, Pose
     from aioduco.sync import Robot
 
@@ -73,6 +74,18 @@ def control_session(address: RobotAddress, **options: Any) -> Iterator[Robot]:
             if limits is not None:
                 robot.envelope = limits
             yield robot
+
+
+def reported_arm(robot: Robot) -> Arm | None:
+    """The arm that the controller reports; None if it reports none, or an unknown one."""
+    from aioduco.errors import UnknownFunction  # noqa: PLC0415 - quick help
+    from aioduco.kinematics.catalogue import model_named  # noqa: PLC0415
+    from aioduco.recording.playback.player import arm_named  # noqa: PLC0415
+
+    try:
+        return model_named(arm_named(robot.version.get_robot_type()))
+    except UnknownFunction:
+        return None
 
 
 def require_still_at(robot: Robot, joints: JointsLike, pose: Pose | None = None) -> None:

@@ -125,8 +125,11 @@ def test_one_at_the_end_of_closing_is_not_lost(
     with ThreadPoolExecutor(1) as pool:
         call = pool.submit(robot.sleep, 600.0)  # so that the loop ends a while after the robot
         eventually(lambda: len(robot._runner._calls) == 1)
-        ending = lambda: robot._runner.closing  # noqa: E731  # read better in one line
-        with raised_by_ctrl_c(kind), interrupts(ending), pytest.raises(kind):
+        with (
+            raised_by_ctrl_c(kind),
+            interrupts(lambda: robot._runner.closing),
+            pytest.raises(kind),
+        ):
             robot.close()
         assert not robot._runner.running
         assert isinstance(call.exception(), aioduco.RobotStateError)
