@@ -70,7 +70,8 @@ SLOW = 0.05
 _LATER = 0.01
 #: time after its expected end for which a task is polled at the fast rate [s]
 OVERDUE = 0.1
-#: part of the time since its acceptance, or until its expected end, that passes without a poll
+#: part of the time until its expected end that passes without a poll; of the time since its
+#: acceptance, as much as that passes again
 SHARE = 0.5
 
 
@@ -82,8 +83,8 @@ def interval(age: float, remaining: float | None = None) -> float:
         remaining: seconds until its expected end, negative after it; None if unknown.
     """
     if remaining is None or remaining < -OVERDUE:
-        return min(max(age * SHARE, FAST), max(STEADY, min(age * PROMPT, SLOW)))
-    return min(max(min(age, remaining) * SHARE, FAST), SLOW)
+        return min(max(age, FAST), max(STEADY, min(age * PROMPT, SLOW)))
+    return min(max(min(age, remaining * SHARE), FAST), SLOW)
 
 
 def next_poll(due: float, now: float, every: float) -> float:

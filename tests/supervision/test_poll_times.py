@@ -10,7 +10,7 @@ import pytest
 from hypothesis import example, given
 
 from aioduco.supervision.concurrency import GRID, on_grid
-from aioduco.supervision.task_follower import FAST, PROMPT, SHARE, SLOW, STEADY, interval, next_poll
+from aioduco.supervision.task_follower import FAST, PROMPT, SLOW, STEADY, interval, next_poll
 
 AGES = st.floats(0, 1e6)
 REMAINING = st.one_of(st.none(), st.floats(-1e6, 1e6))
@@ -21,16 +21,16 @@ def test_every_interval_is_within_its_bounds(age: float, remaining: float | None
     assert FAST <= interval(age, remaining) <= SLOW
 
 
-@given(st.floats(0, FAST / SHARE), REMAINING)
+@given(st.floats(0, FAST), REMAINING)
 def test_a_fresh_task_is_asked_about_often(age: float, remaining: float | None) -> None:
     assert interval(age, remaining) == FAST
 
 
 @given(AGES, st.floats(0, 1e6))
-def test_an_end_of_which_nobody_knew_is_seen_within_a_share_of_the_time(
+def test_an_end_of_which_nobody_knew_is_seen_before_the_task_is_twice_as_old(
     age: float, remaining: float
 ) -> None:
-    assert interval(age, remaining) <= max(age * SHARE, FAST)
+    assert interval(age, remaining) <= max(age, FAST)
 
 
 @given(AGES, st.floats(0, 1e6))
