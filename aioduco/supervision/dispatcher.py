@@ -25,7 +25,7 @@ from aioduco._process.platform import boot_time
 from aioduco.errors import OutcomeUnknown, RobotStateError
 from aioduco.models.enums import Outcome, TaskState
 from aioduco.supervision.command_result import taken
-from aioduco.supervision.concurrency import every, on_grid, run_to_completion
+from aioduco.supervision.concurrency import Alarm, run_to_completion
 from aioduco.supervision.gate import PermitEnding
 from aioduco.supervision.stop_channel import refusal
 from aioduco.supervision.task import OnCancel, Task
@@ -41,10 +41,6 @@ if TYPE_CHECKING:
     from aioduco.supervision.permits import Permits
     from aioduco.supervision.settings import RobotSettings
     from aioduco.supervision.stop_coordinator import StopCoordinator
-
-
-#: seconds between two checks whether the program may still be moving the arm
-_REST_EVERY = 0.1
 
 
 class Dispatcher:
@@ -77,6 +73,7 @@ class Dispatcher:
         self._settings = settings
         self._clock = settings.clock
         self._order = anyio.Lock()
+        self._look = Alarm()
         self._last: Task | None = None
         self.accepted: int = 0
         self.check: Callable[[Command], Awaitable[Command]] | None = None
@@ -89,13 +86,20 @@ class Dispatcher:
             async with self._order:
                 return
 
+    def look(self) -> None:
+        """Let `note_rest` go on if there is anything for it to do; at each keep-alive."""
+        coordinator = self._coordinator
+        if coordinator.modes.due or (coordinator.liveness.moves and not coordinator.busy):
+            self._look.ring()
+
     async def note_rest(self) -> None:
         """Note whenever the arm stands and nothing that the program started still runs.
 
         Before that, modes are ended that should be off: `robot.stop_now()` cannot wait for that.
         """
         coordinator = self._coordinator
-        async for _ in every(_REST_EVERY, on_grid(time.monotonic())):
+        while True:
+            await self._look.wait()
             if not coordinator.streams:  # their workers end their own
                 await coordinator.modes.leave_due()
             # No await between the last check for commands on their way, and `at_rest`.

@@ -135,6 +135,11 @@ class Modes:
         """
         await self._leave(self._on)
 
+    @property
+    def due(self) -> bool:
+        """Whether modes should be off by now."""
+        return bool(self._overdue)
+
     async def leave_due(self) -> None:
         """Leave the modes that should be off by now; what fails is to be tried again."""
         if self._overdue:

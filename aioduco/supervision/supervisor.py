@@ -673,9 +673,10 @@ class Supervisor:
         _log.warning("another guard supervises %s:%d", self.host, self.port)
 
     async def _live(self, due: float) -> None:
-        """Send keep-alives of the event loop, first at `due`."""
+        """Send keep-alives of the event loop, first at `due`, and look whether the arm is done."""
         async for turn in keep_alives(self.settings.loop_stall_limit, due):
             self._liveness.touch(turn, counts=self.gate.alive(boot_time()))
+            self.dispatcher.look()
 
     def _crashed(self, error: BaseException) -> None:
         """End the heartbeat after a failure of the supervision: the controller stops the arm."""

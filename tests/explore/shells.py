@@ -32,7 +32,7 @@ from aioduco._wire.idl import functions
 from aioduco._wire.lane import WireLane
 from aioduco.errors import CallTimeout, DucoError, NotSent, OutcomeUnknown, StopUnconfirmed
 from aioduco.models.enums import TaskState
-from aioduco.supervision.concurrency import BackgroundTasks
+from aioduco.supervision.concurrency import BackgroundTasks, every
 from aioduco.supervision.dispatcher import Dispatcher
 from aioduco.supervision.envelope_watch import EnvelopeWatch
 from aioduco.supervision.gate import Gate, PermitEnding
@@ -547,6 +547,11 @@ class Robot:
         self.dispatcher = Dispatcher(lanes[3], self.coordinator, settings)
         self.background.start(self.coordinator.follower.run(), "follower")
         self.background.start(self.dispatcher.note_rest(), "rest")
+        self.background.start(self._live(), "keep-alive")
+
+    async def _live(self) -> None:
+        async for _ in every(0.1):
+            self.dispatcher.look()
 
     def _permits_ended(self, ending: PermitEnding) -> None:
         self.coordinator.permits_ended(ending)
