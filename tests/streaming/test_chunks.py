@@ -250,6 +250,16 @@ def test_a_first_chunk_that_is_wholly_late_leaves_the_arm_standing() -> None:
     assert bench.timeline.dropped == 1
 
 
+def test_the_chunk_after_a_first_one_that_is_wholly_late_is_compared_with_the_arm() -> None:
+    bench = Bench()
+    bench.send([(0.5,) * 6] * 3, bench.now - 1.0)
+    bench.tick()
+    bench.send([(0.5,) * 6] * 30)
+    bench.tick(20)
+    assert bench.given == [ZERO, ZERO]
+    assert bench.source.reason is Reason.TOO_FAR
+
+
 def test_ticks_that_were_missed_are_made_up_for_little_by_little() -> None:
     timeline = ActionTimeline(JOINT_SPACE, PERIOD, INTERVAL, BLEND)
     timeline.advance(5.0)

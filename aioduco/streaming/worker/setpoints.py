@@ -177,6 +177,8 @@ class SetpointSource(Life):
         self._timeline = timeline
         self._clock = clock
         self._chunk: list[Config] = []
+        #: whether a chunk was compared with the arm's position
+        self._compared = False
         self._generator: Generator | None = None
         self._stamp = 0
         self._idle = 0
@@ -301,10 +303,11 @@ class SetpointSource(Life):
             return
         begin = tag.begin * 1e-9 if tag.begin else None
         place = timeline.take(begin, tuple(self._chunk))
-        if self.state is not StreamState.WAITING:
-            return
-        self.holding()
-        if place is not None:
+        if self.state is StreamState.WAITING:
+            self.holding()
+        # not the first chunk, but the first that is followed: those before it were wholly late
+        if place is not None and not self._compared:
+            self._compared = True
             self._begins_too_far(generator, place)
 
     def _begins_too_far(self, generator: Generator, first: Config) -> bool:
