@@ -527,11 +527,8 @@ class StopCoordinator:
         """
         if name == "stop":
             step = self.halt
-        continuous = [
-            task
-            for task in self.follower.tasks
-            if task.continuous and task.continuous.ending == name
-        ]
+        tasks = self.follower.tasks
+        continuous = [each for each in tasks if each.continuous and each.continuous.ending == name]
         for task in continuous:
             task.life.end_sent()
         of_mode = name in self.modes
@@ -575,19 +572,22 @@ class StopCoordinator:
             Whether anything is paused, as far as that is known.
         """
         with self.gate.stop(PermitEnding.PAUSED):
+            # Of these, the controller may serve any after the pause. What blocks has no deadline.
+            overtaken = [call for call in self.pending if call.deadline is not None]
             if halt_streams(self.streams):
-                # A stream follows a clock, so it cannot continue later where it was. But what it
-                # has sent is paused, and continues when resumed.
+                # It follows a clock, and cannot go on later. But what it has sent does, if resumed.
                 await self._silence_streams()
                 self.unfollowed_motion = True
-            # A paused motion whose task has ended, or that has none, looks as if it were over, but
-            # continues when resumed.
-            self.unfollowed_motion |= self.gate.resumed or any(
-                task.life.continues_after_task for task in self.follower.tasks
-            )
+            # So does what looks as if it were over: its task has ended, or it has none.
+            ended = any(task.life.continues_after_task for task in self.follower.tasks)
+            self.unfollowed_motion |= self.gate.resumed or ended
             await self._controlled("pause")
+            for call in overtaken:
+                await call.wait(self._settings.call_timeout)  # else its sender stops the arm
+            if overtaken:
+                await self._controlled("pause")
             await self.standstill()
-        return await self._paused()
+        return await self.paused()
 
     async def resume(self) -> bool:
         """Resume all paused tasks; if this fails or is cancelled, the arm is stopped.
@@ -600,7 +600,7 @@ class StopCoordinator:
         """
         permit = self.permits.ask("resume")
         await self.permits.after_stops(permit)
-        paused = await self._paused()
+        paused = await self.paused()
         self.require_samples("resume")
         self.permits.check(permit)
         self.liveness.will_move("resume")
@@ -618,7 +618,7 @@ class StopCoordinator:
             raise
         return paused
 
-    async def _paused(self) -> bool:
+    async def paused(self) -> bool:
         """Whether something is paused; True also if the controller does not say."""
         if any(task.state is TaskState.PAUSED for task in self.follower.tasks):
             return True

@@ -148,6 +148,28 @@ async def test_a_stop_during_the_start_of_a_motion_holds_for_it(
         await tasks[0]
 
 
+async def test_a_motion_that_is_served_after_a_pause_is_paused_when_that_returns(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    bench.motion_time = 30.0
+    let = bench.hold("movej2", bench._answers["movej2"])
+    async with anyio.create_task_group() as tg:
+        tg.start_soon(robot.motion.movej2(HOME, v=1.0, a=1.0).start)
+        await eventually_async(lambda: bench.received("movej2"))
+
+        async def let_late() -> None:
+            await eventually_async(lambda: bench.received("pause"))
+            let.set()
+
+        tg.start_soon(let_late)
+        await robot.pause()
+        assert let.is_set()
+        assert not bench.moving()
+    (task,) = robot.tasks
+    await eventually_async(lambda: task.state is aioduco.TaskState.PAUSED)
+    assert "stop" not in bench.commands
+
+
 async def test_pause_waits_for_standstill_and_resume_goes_on(
     robot: aioduco.Robot, bench: Bench
 ) -> None:
