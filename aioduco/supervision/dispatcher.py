@@ -106,7 +106,9 @@ class Dispatcher:
             if not coordinator.liveness.moves or coordinator.busy:
                 continue
             stands = await coordinator.stands()
-            self._gate.seen(boot_time(), standing=stands)
+            # what somebody has paused is not over: it goes on when anybody resumes
+            paused = stands and self._gate.resumed and await coordinator.paused()
+            self._gate.seen(boot_time(), standing=stands and not paused)
             if stands and not coordinator.moving and not self._order.statistics().locked:
                 coordinator.liveness.at_rest()
 

@@ -18,9 +18,10 @@ from wire.lanes import noted
 
 import aioduco
 import aioduco.sync
-from aioduco import Jog, Outcome, TaskState
+from aioduco import Jog, Outcome, ProgramState, TaskState
 from aioduco._wire import idl
 from aioduco.sim import Simulator
+from aioduco.supervision import gate
 from aioduco.supervision.gate import PermitEnding
 from aioduco.testing import eventually_async
 from api.cases import NOBODY, Case, blocking_cases, cases
@@ -208,8 +209,13 @@ async def test_it_waits_through_a_pause(robot: aioduco.Robot, desk: Desk) -> Non
     assert "stop" not in desk.commands
 
 
-async def test_leaving_the_robot_stops_what_is_paused_behind_an_early_answer(desk: Desk) -> None:
+@pytest.mark.cases(2)
+@pytest.mark.parametrize("by", ["this program", "another"])
+async def test_leaving_the_robot_stops_what_is_paused_behind_an_early_answer(
+    desk: Desk, by: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Otherwise it would go on when anybody resumes, after its program has ended."""
+    monkeypatch.setattr(gate, "_STANDING", 0.0)  # it was seen to stand for long enough
 
     def early(*_: Any) -> int:
         desk._add(BenchTask("speedl", now := time.monotonic(), now + 30.0))
@@ -218,7 +224,13 @@ async def test_leaving_the_robot_stops_what_is_paused_behind_an_early_answer(des
     desk.answer("speedl", early)
     async with aioduco.connect(desk.host, desk.port) as robot:
         await robot.blocking.speedl([0, 0, 0.02, 0, 0, 0], a=0.5, time=20.0)
-        await robot.pause()
+        if by == "this program":
+            await robot.pause()
+        else:
+            desk._pause(False)
+            desk.states[1] = ProgramState.PAUSED
+            arm, looks = robot._supervisor.stop_coordinator, len(desk.received())
+            await eventually_async(lambda: not arm.moving or len(desk.received()) > looks + 9)
     desk._resume(False)
     assert not desk.moving()
 
