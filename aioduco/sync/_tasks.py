@@ -56,7 +56,7 @@ class Task(TaskCalls):
         if exc is not None:
             if not self.done:
                 super()._call(self._made._on_wait_cancelled())
-        elif self._made.continuous is not None:
+        elif self._made.continuous is not None and not self.done:
             self.end()
         else:
             self.wait()
@@ -85,7 +85,9 @@ class Task(TaskCalls):
             TaskError: it ended otherwise: one of the subclasses.
             TimeoutError: it has not ended in time; it continues.
         """
-        return self._call(self._wait(None if timeout is None else WAIT("timeout", timeout)))
+        limit = None if timeout is None else WAIT("timeout", timeout)
+        # an end is known also after the robot was left, when nothing runs on its loop any more
+        return self.result() if self.done else self._call(self._wait(limit))
 
     async def _wait(self, timeout: float | None) -> Outcome:
         if timeout is None:

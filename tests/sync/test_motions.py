@@ -67,6 +67,20 @@ def test_a_started_motion_is_a_task(robot: aioduco.sync.Robot, desk: Desk) -> No
     assert len(robot.tasks) == 0
 
 
+@pytest.mark.parametrize("ended", [Outcome.FINISHED, Outcome.STOPPED])
+def test_the_end_of_a_task_is_known_after_the_robot_was_left(desk: Desk, ended: Outcome) -> None:
+    desk.motion_time = 0.0 if ended is Outcome.FINISHED else 30.0
+    with aioduco.sync.connect(desk.host, desk.port) as robot:
+        task = robot.motion.movej2.start(HOME, v=1.0, a=1.0)
+        if ended is Outcome.FINISHED:
+            task.wait()
+    if ended is Outcome.FINISHED:
+        assert task.wait() is task.wait(timeout=0) is ended
+    else:
+        with pytest.raises(TaskStopped), task:
+            assert task.outcome is ended
+
+
 def test_each_state_of_a_task(robot: aioduco.sync.Robot, desk: Desk) -> None:
     task = robot.motion.movej2.start(HOME, v=1.0, a=1.0)
     states = list(task.states())
