@@ -19,6 +19,7 @@ import numpy as np
 import pytest
 
 from aioduco import kinematics
+from aioduco._wire.rpc import RobotStatus
 from aioduco.api.streams.servo import OffsetStream, Servo
 from aioduco.envelope import Envelope, Zone
 from aioduco.errors import (
@@ -375,6 +376,18 @@ async def test_the_worker_sees_when_the_controller_does_not_follow_any_more(
     with pytest.raises(error):
         await fed(stream, at(20, lambda: controller.server.answer(function, answer)))
     assert bool(controller.server.received("stop")) == stops
+
+
+async def test_a_collision_is_told_with_the_refusal_after_it(controller: Controller) -> None:
+    """Neither the state nor the newest error, of a set-point that was refused since, says it."""
+    controller.server.answer("getRobotStatus", RobotStatus(collision=True, collisionAxis=3))
+    controller.server.answer("get_last_error", ["an older one", "servoj: STOP2"])
+    options = WorkerOptions(run_in="thread", watch=0.02, timeout=30.0)
+    stream = controller.servo.joints(v=1.0, a=5.0, options=options)
+    disabled = at(20, lambda: controller.server.answer("get_robot_state", [5, 0, 9, 1]))
+    said = r"DISABLE.*a collision was detected at joint 3; .*error list: servoj: STOP2"
+    with pytest.raises(StreamRefused, match=said):
+        await fed(stream, disabled)
 
 
 @pytest.mark.cases(3)

@@ -19,7 +19,7 @@ from aioduco.streaming.worker.driver import Driver
 from aioduco.streaming.worker.encoding import Batch
 from aioduco.streaming.worker.life import Life
 from aioduco.streaming.worker.setpoints import SetpointFeed
-from aioduco.streaming.worker.watch import ended, newest_error, refused
+from aioduco.streaming.worker.watch import ended, refused
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -259,11 +259,7 @@ class RealtimeQueueDriver(Driver):
         if self._depth.at_rest:
             return self._over()
         if self._depth.stuck:
-            error = newest_error(self._connection, self._timeout) or "none"
-            return self._refuse(
-                "the controller takes no points from its queue any more; the newest on its error "
-                f"list: {error}"
-            )
+            return self._refuse("the controller takes no points from its queue any more")
         return self._follows(0)
 
     def _more(self, count: int) -> list[bytes]:

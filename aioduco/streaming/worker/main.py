@@ -140,6 +140,8 @@ class StreamWorker:
                 if ended_by:
                     reason, text = ended_by, why
                     self._end_on_controller(own, reason)
+            if reason is Reason.REFUSED:
+                text += self._explanation(own)
         except (DucoError, OSError) as exc:
             text = f"{text}; and it is not known that the arm stands: {exc}".strip("; ")
             block.status[StatusWord.UNSTOPPED] = 1
@@ -207,6 +209,22 @@ class StreamWorker:
         if task <= 0 or self._config.sent.leave:  # how a call ends a task, the manual does not say
             return Reason.NONE, ""
         return ended(task, own.call("get_noneblock_taskstate", (task,), self._timeout))
+
+    def _explanation(self, own: OwnConnection) -> str:
+        """What the controller reports, for messages: a collision, and the newest of its errors.
+
+        Set-points that are refused may have added more to the list of errors than it holds.
+        """
+        found = ""
+        with contextlib.suppress(DucoError):  # it is only an explanation
+            status = own.call("getRobotStatus", (), self._timeout)
+            if status.collision:
+                found = f"; a collision was detected at joint {status.collisionAxis}"
+        with contextlib.suppress(DucoError):
+            errors = own.call("get_last_error", (), self._timeout)
+            if errors:
+                found += f"; the newest on its error list: {errors[-1]}"
+        return found
 
     def _wait_out(self, lost: Connection) -> None:
         """Stop the arm until the unanswered set-point cannot move it any more."""

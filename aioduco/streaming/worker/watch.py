@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.errors import ControllerError
 from aioduco.models.enums import RobotState, TaskState
 from aioduco.streaming.shared.words import Reason
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-
-    from aioduco._wire.connection import Connection
 
 
 _TASK_FAILED = (TaskState.ERROR, TaskState.ILLEGAL, TaskState.PARAMETER_MISMATCH)
@@ -56,17 +53,3 @@ def disabled(states: Sequence[int]) -> tuple[Reason, str]:
     if robot != RobotState.ENABLE:
         return Reason.REFUSED, f"the robot is in state {robot}, not ENABLE (manual 1.2)"
     return Reason.NONE, ""
-
-
-def newest_error(connection: Connection, timeout: float) -> str:
-    """The newest text on the controller's error list; empty if there is none.
-
-    Args:
-        connection: the worker's connection.
-        timeout: time-out of the call [s].
-    """
-    try:
-        errors = connection.call("get_last_error", (), timeout)
-    except ControllerError:
-        return ""  # this controller does not report them
-    return errors[-1] if errors else ""
