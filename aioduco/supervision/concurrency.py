@@ -30,6 +30,7 @@ from __future__ import annotations
 import asyncio
 import threading
 import time
+import traceback
 from collections.abc import Coroutine
 from queue import SimpleQueue
 from typing import TYPE_CHECKING, Any, Self, TypeVar
@@ -43,6 +44,7 @@ from aioduco.errors import DucoError
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Generator
+    from types import CodeType
 
 
 #: time between two moments of `on_grid` [s]
@@ -216,7 +218,7 @@ async def run_to_completion(step: Callable[[], Awaitable[T]]) -> tuple[T, BaseEx
 
     What a signal handler raises during `step()` is treated like a cancellation: a keyboard
     interrupt, an exit, or any other error that is not this package's. A step's own error of that
-    kind is raised if it comes again.
+    kind is raised if it comes again, from the same place.
 
     Args:
         step: returns the awaitable; called once, and once more for each cancellation.
@@ -235,10 +237,15 @@ async def run_to_completion(step: Callable[[], Awaitable[T]]) -> tuple[T, BaseEx
             except DucoError:
                 raise
             except Exception as exc:
-                if isinstance(cancelled, type(exc)):
+                if isinstance(cancelled, type(exc)) and _raised_at(cancelled) == _raised_at(exc):
                     raise
                 cancelled = exc
     return results[0], cancelled
+
+
+def _raised_at(error: BaseException) -> list[tuple[CodeType, int]]:
+    """The place where an error was raised, and the calls that led to it."""
+    return [(frame.f_code, line) for frame, line in traceback.walk_tb(error.__traceback__)]
 
 
 class DaemonThread:

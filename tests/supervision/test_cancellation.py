@@ -313,6 +313,26 @@ async def _awaited(task: aioduco.Task) -> None:
     await task
 
 
+async def test_a_signal_handler_that_raises_twice_cuts_no_step_short() -> None:
+    """Its errors come from different places of the step, and a step's own from one."""
+    left = [1, 0]
+
+    def handler() -> None:
+        raise TimeoutError
+
+    async def step() -> str:
+        if len(left) == 2:
+            left.pop()
+            handler()
+        if len(left) == 1:
+            left.pop()
+            handler()
+        return "stands"
+
+    result, cancelled = await run_to_completion(step)
+    assert (result, type(cancelled)) == ("stands", TimeoutError)
+
+
 async def test_an_error_of_a_step_itself_is_raised() -> None:
     async def fails() -> None:
         raise ValueError("a defect")
