@@ -209,6 +209,7 @@ class Runner:
         """Close the robot, and end the thread."""
         if not self.running:
             return
+        self._require_other_thread()
         try:
             self.call(self.robot.aclose())
         except RobotStateError:
@@ -305,14 +306,20 @@ class Runner:
         if not self._ready.is_set() or not self.running:
             work.close()
             raise RobotStateError("the robot is not open: nothing was sent")
-        if threading.get_ident() == self._thread.ident:
+        try:
+            self._require_other_thread()
+        except RuntimeError:
             work.close()
+            raise
+        # in a copy of the context: an interrupt leaves nothing in the thread's own
+        copy_context().run(self._send_over, call)
+
+    def _require_other_thread(self) -> None:
+        if threading.get_ident() == self._thread.ident:
             raise RuntimeError(
                 "this is called on the thread of the robot's event loop, as predicates are: it "
                 "would wait for itself. Nothing was sent"
             )
-        # in a copy of the context: an interrupt leaves nothing in the thread's own
-        copy_context().run(self._send_over, call)
 
     def _send_over(self, call: StartedCall[Any]) -> None:
         with self.robot._supervisor.permits.from_now("a call"):

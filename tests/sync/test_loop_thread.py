@@ -172,9 +172,12 @@ def test_a_predicate_can_end_the_program(robot: Robot) -> None:
     assert robot.state.get_robot_state()
 
 
-def test_a_predicate_cannot_call_the_robot(robot: Robot) -> None:
+@pytest.mark.cases(2)
+@pytest.mark.parametrize("call", [lambda robot: robot.state.robotmoving(), Robot.close])
+def test_a_predicate_cannot_call_the_robot(robot: Robot, call: Callable[[Robot], object]) -> None:
     with pytest.raises(RuntimeError, match="wait for itself"):
-        robot.wait_for(lambda _: robot.state.robotmoving())
+        robot.wait_for(lambda _: bool(call(robot)))
+    assert robot.state.get_robot_state()
 
 
 def test_one_left_open_is_closed_with_a_warning(desk: Desk) -> None:
