@@ -60,6 +60,7 @@ class EnvelopeChecker:
         by_tip: whether configurations are poses of the tip.
 
     Attributes:
+        by_tip: the same.
         seed: joint angles; for a tip, the nearest solution of the inverse kinematics is used [rad].
         deviation: largest deviation of a sweep's path from the straight line, as a share of its
             length.
@@ -71,7 +72,7 @@ class EnvelopeChecker:
         self._geometry = tuple(packed["geometry"])
         self._lower, self._upper = packed["lower"], packed["upper"]
         self._turn, self._offset = packed["tool"][:9], tuple(packed["tool"][9:])
-        self._by_tip = by_tip
+        self.by_tip: bool = by_tip
         self._zones: list[CheckedZone] = []
         #: name, action, speed and limit value
         self._speeds: list[tuple[str, str, float, float]] = []
@@ -156,7 +157,7 @@ class EnvelopeChecker:
         return self._ahead
 
     def _seen(self, config: Sequence[float]) -> _Look:
-        if self._by_tip:
+        if self.by_tip:
             return (config, *self._from_tip(config))
         q = tuple(config)
         return config, self._from_joints(q), q
@@ -339,7 +340,7 @@ class EnvelopeChecker:
         Returns:
             Whether a `sweep` of that path would certainly find nothing: no limit is in reach.
         """
-        if self._by_tip or start is self._at:
+        if self.by_tip or start is self._at:
             return False
         # The sums of `_travel_joints`, written out: a call would take half as long as all of this.
         a1, a2, a3, a4, a5, a6 = self._at
@@ -553,7 +554,7 @@ class EnvelopeChecker:
         Returns:
             Distance of the elbow; of tool and flange; and deviation of their paths from the chords.
         """
-        if not self._by_tip:
+        if not self.by_tip:
             return self._travel_joints(start, end)
         turn = _turned(start, end)
         sag = self._lever * turn * turn / 8
@@ -611,20 +612,6 @@ class EnvelopeChecker:
                 return crossing
         return None
 
-    def sweep_places(self, start: Sequence[Point], end: Sequence[Point]) -> Crossing | None:
-        """Check the chords of the bodies between two sets of positions, for a blended corner."""
-        for zone in self._zones:
-            if zone.action == "slow" or zone.leaving:
-                continue
-            for body in zone.bodies:
-                a, b = start[body], end[body]
-                if _known(a) and _known(b):
-                    first, last = (zone.margin(*each) + zone.tolerance for each in (a, b))
-                    low = self._lowest(zone, a, b, first, last, 0.0)
-                    if low < 0.0:
-                        return Crossing(zone.name, BODIES[body], b, low, "m", zone.action)
-        return None
-
     def _joint_margins(self, q: Joints6, place: Point) -> list[Crossing]:
         found = []
         for name, action, _, least in self._joints:
@@ -648,7 +635,7 @@ class EnvelopeChecker:
         if not self._singular:
             return []
         # The tool passes closely beside one while joints swing round, and keeps its branch.
-        swings = self._by_tip and max(map(abs, map(sub, ahead, q))) > _SWING
+        swings = self.by_tip and max(map(abs, map(sub, ahead, q))) > _SWING
         pairs = zip(self._distances(q), self._distances(ahead), strict=True)
         if not swings and all(a * b >= 0.0 for a, b in pairs):
             return []

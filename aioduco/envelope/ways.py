@@ -10,8 +10,9 @@ points through which they lead, if these are known.
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -64,7 +65,8 @@ _FAR = 1.0  # turn of a joint between two of them that may be another one [rad]
 _CLOSEST = 2e-4  # distance of two of them between which none is looked at [share of the path]
 _SAME = 1e-6  # distance up to which two positions count as equal [m]
 _STRAIGHT = 1e-9  # sine of an angle between three points whose circle is larger than any arm
-_CUTS = (0.25, 0.5, 0.75, 1.0)  # shares of a blend radius at which the corner's chords are checked
+_CUT = 0.01  # largest step between two sums that a corner is checked at [m]
+_CUTS = (4, 24)  # number of these steps on each leg of a corner
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -377,35 +379,99 @@ def _sweep(
     return None
 
 
+class Leg(NamedTuple):
+    """A path that a blend leaves or enters, and the tool of its motion in the flange's frame."""
+
+    way: Way
+    tool: Pose
+
+
 def cut_corner(
-    before: EnvelopeChecker, way: Way, after: EnvelopeChecker, following: Way
-) -> Crossing | None:
-    """Check a blended corner: the chords between its two legs, within the blend radius.
+    checker: EnvelopeChecker, arm: Arm, before: Leg, after: Leg
+) -> tuple[Crossing | None, float]:
+    """Check a blended corner: wherever the arm may be while it goes on from one leg to the other.
+
+    In a blend the arm does the last part of one motion and the first part of the next one at once.
+    How far it does each then is the controller's choice. So all sums of two parts that are together
+    not longer than the blend radius are checked.
 
     Args:
-        before: checker for the path before the corner.
-        way: the path before the corner, with a blend radius.
-        after: checker for the path after the corner.
-        following: the path after the corner.
+        checker: checker of the sums: of poses of the tip where both motions are those of one tool's
+            tip, else of joints.
+        arm: the arm.
+        before: the path before the corner, with a blend radius.
+        after: the path after the corner.
+
+    Returns:
+        As of `check_way`; the share is of the speed of the motion after the corner.
     """
-    if way.radius <= 0.0:
-        return None
-    coming = _leg(before, reversed(way.configs), way.radius)
-    going = _leg(after, iter(following.configs), way.radius)
-    for share in _CUTS:
-        a = coming[min(len(coming) - 1, round(share * (len(coming) - 1)))]
-        b = going[min(len(going) - 1, round(share * (len(going) - 1)))]
-        if found := after.sweep_places(a, b):
-            return found
-    return None
+    radius, corner = before.way.radius, before.way.end
+    share = 1.0
+    if radius <= 0.0:
+        return None, share
+    parts = [_part(arm, leg, radius, back=leg is before) for leg in (before, after)]
+    count = int(np.clip(math.ceil(max(length for _, length, _ in parts) / _CUT), *_CUTS))
+    shares = np.linspace(0.0, 1.0, count + 1)
+    legs = []
+    for leg, (part, _, _) in zip((before, after), parts, strict=True):
+        at = 1.0 - part * shares if leg is before else part * shares
+        configs = np.array(leg.way.at(at.tolist()))
+        if leg.way.by_tip and not checker.by_tip:
+            configs = _joints(arm, leg, configs, corner)
+        legs.append(configs)
+    coming, going = legs
+    coming_speed, going_speed = (speed for _, _, speed in parts)
+    checker.seed = corner
+    checker.begin(tuple(coming[-1].tolist()), leaving=True)
+    for number in range(1, count + 1):
+        checker.seed = corner
+        sums = _sums(coming[number::-1], going[: number + 1], coming[0], by_tip=checker.by_tip)
+        here, *others = map(tuple, sums.tolist())
+        for there in others:
+            while found := checker.sweep(here, there, max(coming_speed, share * going_speed)):
+                most = 0.0
+                if found.action == "slow":
+                    most = checker.slow_speed(found.limit)
+                if coming_speed > most or most == 0.0:
+                    return found, share
+                share *= most / (share * going_speed) * (1 - 1e-9)
+            here = there
+    return None, share
 
 
-def _leg(checker: EnvelopeChecker, configs: Any, radius: float) -> list[Any]:
-    """Positions of the bodies on one leg of a corner, up to the blend radius."""
-    found: list[Any] = []
-    for config in configs:
-        places = checker.places(config)
-        found.append(places)
-        if math.dist(places[0], found[0][0]) > radius:
-            break
-    return found
+def _part(arm: Arm, leg: Leg, radius: float, *, back: bool) -> tuple[float, float, float]:
+    """The share of a path that a blend may take, its length [m], the tool's speed there [m/s]."""
+    way = leg.way
+    configs = np.array(way.configs[::-1] if back else way.configs)
+    tips = configs[:, 9:] if way.by_tip else (arm.fkine(configs) @ leg.tool.matrix)[:, :3, 3]
+    outside = np.flatnonzero(np.linalg.norm(tips - tips[0], axis=1) > radius)
+    last = int(outside[0]) if len(outside) else len(tips) - 1
+    steps = np.linalg.norm(np.diff(tips[: last + 1], axis=0), axis=1)
+    speed = way.v
+    if not way.by_tip:
+        turns = np.abs(np.diff(configs[: last + 1], axis=0)).max(axis=1)
+        speed *= float((steps / np.maximum(turns, 1e-12)).max())
+    elif float(steps.sum()) < _SAME:
+        speed = 0.0  # it only turns
+    return last / (len(tips) - 1), float(steps.sum()), speed
+
+
+def _joints(arm: Arm, leg: Leg, tips: Array, near: Sequence[float]) -> Array:
+    """The joints of poses of the tip; of one that cannot be reached, those of the one before it."""
+    back, found = leg.tool.inverse().matrix, []
+    for tip in tips:
+        pose = np.eye(4)
+        pose[:3, :3], pose[:3, 3] = tip[:9].reshape(3, 3), tip[9:]
+        with suppress(Unreachable):
+            near = arm.ikine(pose @ back, near).tolist()
+        found.append(near)
+    return np.array(found)
+
+
+def _sums(coming: Array, going: Array, corner: Array, *, by_tip: bool) -> Array:
+    """Configurations after parts of both motions: the turns and ways of both from the corner."""
+    sums: Array = coming + going - corner
+    if by_tip:
+        one, two, at = (each[..., :9].reshape(-1, 3, 3) for each in (coming, going, corner))
+        sums[:, :9] = (one @ at.swapaxes(1, 2) @ two).reshape(-1, 9)
+    return sums

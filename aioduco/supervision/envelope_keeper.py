@@ -18,7 +18,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from aioduco._process import trial
-from aioduco.envelope.checker import BESIDE, EnvelopeChecker
+from aioduco.envelope.checker import BESIDE
 from aioduco.envelope.limits import Crossing, Envelope, ToolForce
 from aioduco.errors import ControllerError, EnvelopeViolated, ParameterError
 from aioduco.models.samples import joints as joints_of
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from aioduco._wire.rpc import AsyncRpc
-    from aioduco.envelope.ways import Way
+    from aioduco.envelope.ways import Leg, Way
     from aioduco.models.pose import Joints, Pose
     from aioduco.supervision.envelope_watch import EnvelopeWatch
     from aioduco.supervision.state_feed import StateFeed
@@ -65,8 +65,8 @@ class _Checked:
     """The last motion that was checked, and found to be within the envelope.
 
     Attributes:
-        way: its path; a servo set-point's leads to its target.
-        checker: the checker of its path.
+        way: its path, at its speed; a servo set-point's leads to its target.
+        tool: its tool in the flange's frame.
         newest: the newest motion when it was checked: if there is a newer one, it was accepted.
         servo: function of the wire, if it is a servo set-point.
         frames: the frames of a servo set-point.
@@ -74,7 +74,7 @@ class _Checked:
     """
 
     way: Way
-    checker: EnvelopeChecker
+    tool: Pose
     newest: Task | None
     servo: str = ""
     frames: _Frames | None = None
@@ -220,15 +220,34 @@ class EnvelopeKeeper:
         checker.seed = q
         found, share = ways.check_way(checker, way)
         if found is None and before is not None:
-            found = ways.cut_corner(before.checker, before.way, checker, way)
+            following = ways.Leg(replace(way, v=share * way.v), frames.tool)
+            found, slowed = self._corner(envelope, before, following)
+            share *= slowed
         if found is not None:
             await self._refuse(command.name, found)
         command = await self._slower(command, share)
         if live and before is None:
             self._watch.moves_unchecked()  # it begins where something unknown ends
         else:
-            self._last = _Checked(way, checker, newest)
+            self._last = _Checked(replace(way, v=share * way.v), frames.tool, newest)
         return command
+
+    def _corner(
+        self, envelope: Envelope, before: _Checked, after: Leg
+    ) -> tuple[Crossing | None, float]:
+        """Check the corner between two motions, for the tool of each."""
+        from aioduco.envelope import ways  # noqa: PLC0415  # loads numpy
+
+        share, legs = 1.0, (ways.Leg(before.way, before.tool), after)
+        tools = {leg.tool for leg in legs}
+        by_tip = len(tools) == 1 and all(leg.way.by_tip for leg in legs)
+        for tool in tools:
+            checker = self._watch.checker(envelope, tool, by_tip=by_tip)
+            found, slowed = ways.cut_corner(checker, envelope.arm, *legs)
+            share = min(share, slowed)
+            if found is not None:
+                return found, share
+        return None, share
 
     async def _servo(
         self, envelope: Envelope, command: Command, before: _Checked | None, newest: Task | None
@@ -269,7 +288,7 @@ class EnvelopeKeeper:
         else:
             self._watch.wobj = frames.wobj if wobj is not None and not names[1] else None
             way = ways.polyline([last, target], v)
-            self._last = _Checked(way, checker, newest, name, frames, a)
+            self._last = _Checked(way, frames.tool, newest, name, frames, a)
         return command
 
     async def _velocity(

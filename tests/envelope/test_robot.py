@@ -24,7 +24,15 @@ from aioduco import (
     TaskStopped,
     WorkerOptions,
 )
-from aioduco.envelope import Crossing, Envelope, SingularityMargin, ToolForce, ToolSpeed, Zone
+from aioduco.envelope import (
+    Action,
+    Crossing,
+    Envelope,
+    SingularityMargin,
+    ToolForce,
+    ToolSpeed,
+    Zone,
+)
 from aioduco.envelope.checker import EnvelopeChecker
 from aioduco.models.realtime import RealtimePoint
 from aioduco.sim import Simulator
@@ -138,12 +146,15 @@ async def test_stop_ends_what_runs_before_it(robot: aioduco.Robot) -> None:
         await first
 
 
-async def before_a_corner(robot: aioduco.Robot) -> tuple[Pose, Pose, Pose]:
+async def before_a_corner(
+    robot: aioduco.Robot, action: Action = "refuse"
+) -> tuple[Pose, Pose, Pose]:
     """Where the tool is, a corner and what lies behind it; a blend would cut a zone beside it."""
     here = await robot.state.get_tcp_pose()
     corner = Pose(here.x, here.y + 0.2, *here[2:])
     end = Pose(here.x - 0.2, here.y + 0.2, *here[2:])
-    edge = Zone.sphere((here.x - 0.05, here.y + 0.15, here.z), 0.03, bodies=("tool",), name="edge")
+    at = here.x - 0.05, here.y + 0.15, here.z
+    edge = Zone.sphere(at, 0.03, bodies=("tool",), action=action, name="edge")
     robot.envelope = Envelope("gcr5_910", edge)
     return here, corner, end
 
@@ -165,6 +176,36 @@ async def test_the_corner_that_a_blend_cuts_is_checked(robot: aioduco.Robot) -> 
         await robot.motion.run(
             robot.motion.movej_pose(corner, v=10, a=10, r=1), robot.motion.movel(end, v=0.5, a=2.0)
         )
+
+
+async def test_a_corner_is_checked_between_its_chords_and_as_the_joints_turn(
+    robot: aioduco.Robot,
+) -> None:
+    post = Zone.sphere((0.180, 0.470, 0.455), 0.013, bodies=("tool",), name="post")
+    robot.envelope = Envelope("gcr5_910", post)
+    up = (1.2, -1.0, *START[2:])
+    with pytest.raises(EnvelopeViolated, match="'post'"):  # its blend leads through the middle
+        await robot.motion.run(
+            robot.motion.movej2(turned(1.2), v=1.0, a=5.0, r=0.25),
+            robot.motion.movej2(up, v=1.0, a=5.0),
+        )
+
+
+@pytest.mark.slow
+async def test_a_corner_through_a_zone_that_slows_is_gone_through_slowly(
+    robot: aioduco.Robot, seen: Seen
+) -> None:
+    here, corner, end = await before_a_corner(robot, "slow")
+    with pytest.raises(EnvelopeViolated, match=r"'edge'.*must be slow"):
+        await robot.motion.run(
+            robot.motion.movel(corner, v=0.5, a=2.0, r=0.15), robot.motion.movel(end, v=0.5, a=2.0)
+        )
+    await robot.motion.movel(here, v=1.0, a=5.0)
+    seen.clear()
+    await robot.motion.run(
+        robot.motion.movel(corner, v=0.1, a=2.0, r=0.15), robot.motion.movel(end, v=0.5, a=2.0)
+    )
+    assert fastest(seen) <= 0.1 * 1.05
 
 
 @pytest.mark.slow
