@@ -93,6 +93,9 @@ class Compound(Section):
 
         Manual section 1.3.13, which prints its name as enable_combined_motion.
         """
+        self._supervisor.envelope.strays(
+            "enable_combine_motion"
+        )  # before, since its answer may be lost
         await self._finish(calls.enable_combine_motion())
 
     async def disable_combine_motion(self) -> None:
@@ -104,6 +107,7 @@ class Compound(Section):
         Manual section 1.3.13, which prints its name as disable_combined_motion.
         """
         await self._finish(calls.disable_combine_motion())
+        self._supervisor.envelope.strays("enable_combine_motion", on=False)
 
     async def enable_laser_track(self) -> int:
         """Let the motions that follow track a seam by a laser sensor (激光跟踪).
@@ -119,6 +123,7 @@ class Compound(Section):
 
         Not in manual 3.8; manual 4.3 describes it.
         """
+        self._supervisor.envelope.strays("enable_laser_track")
         answer = await self._rpc.enable_laser_track()
         return checked_task_id("enable_laser_track", answer)
 
@@ -132,6 +137,7 @@ class Compound(Section):
         Not in manual 3.8; manual 4.3 describes it.
         """
         await self._accept(calls.disable_laser_track())
+        self._supervisor.envelope.strays("enable_laser_track", on=False)
 
     async def reset_laser_track(self) -> None:
         """Forget the offsets that the laser sensor found.

@@ -26,6 +26,9 @@ class Optimization(Section):
 
         Manual section 1.3.11.
         """
+        self._supervisor.envelope.strays(
+            "enable_speed_optimization"
+        )  # before, since its answer may be lost
         await self._finish(calls.enable_speed_optimization())
 
     async def disable_speed_optimization(self) -> None:
@@ -37,6 +40,7 @@ class Optimization(Section):
         Manual section 1.3.11.
         """
         await self._finish(calls.disable_speed_optimization())
+        self._supervisor.envelope.strays("enable_speed_optimization", on=False)
 
     async def enable_acc_optimization(self) -> None:
         """Let the arm accelerate as hard as its drives can (开启加速度优化).
@@ -69,6 +73,9 @@ class Optimization(Section):
 
         Manual section 1.3.11.
         """
+        self._supervisor.envelope.strays(
+            "enable_singularity_control"
+        )  # before, since its answer may be lost
         await self._finish(calls.enable_singularity_control())
 
     async def disable_singularity_control(self) -> None:
@@ -80,6 +87,7 @@ class Optimization(Section):
         Manual section 1.3.11.
         """
         await self._finish(calls.disable_singularity_control())
+        self._supervisor.envelope.strays("enable_singularity_control", on=False)
 
     async def enable_vibration_control(self) -> None:
         """Damp vibrations as motions start and end (开启振动控制), the controller's default.

@@ -156,6 +156,18 @@ class EnvelopeKeeper:
         if opened and self.envelope is not None:
             self._watch.begin()
 
+    def strays(self, name: str, *, on: bool = True) -> None:
+        """Note whether motions may leave their paths, or be faster than asked.
+
+        Args:
+            name: the function of the wire that makes them do so.
+            on: whether they may from now on.
+        """
+        if on:
+            self._watch.strays.add(name)
+        else:
+            self._watch.strays.discard(name)
+
     # -- motions -------------------------------------------------------------------------------
 
     @property

@@ -8,7 +8,8 @@ While no samples come, or none that say how fast the joints are, the watch is bl
 arm if that may be moving, and nothing that moves it is sent.
 
 Where the path was checked before it was sent, only an arm that is beyond a limit by more than it
-may lag behind its set-points is stopped.
+may lag behind its set-points is stopped. In force control, or with a weave, the arm is on no such
+path.
 """
 
 from __future__ import annotations
@@ -79,6 +80,8 @@ class EnvelopeWatch:
     Attributes:
         envelope: the envelope; None for none.
         unchecked: whether something moves the arm on a path that was not checked.
+        strays: functions of the wire that this program called, because of which motions may leave
+            their paths, or be faster than asked.
         only_unchecked: whether it stops the arm on such paths alone, since a program that is tried
             sent a motion that leaves the envelope.
         velocity: the motion at a velocity that was sent last, and the work object in use; None if
@@ -106,6 +109,7 @@ class EnvelopeWatch:
         self._clock = settings.clock
         self.envelope: Envelope | None = None
         self.unchecked: bool = False
+        self.strays: set[str] = set()
         self.only_unchecked: bool = False
         self.velocity: tuple[Ahead, Pose] | None = None
         self._newest: Snapshot | None = None
@@ -171,6 +175,12 @@ class EnvelopeWatch:
         self.unchecked = True
         self._hold()
 
+    @property
+    def _loose(self) -> bool:
+        """Whether the arm may be on another path than those that were checked."""
+        force_control = self._coordinator.modes.force_control
+        return self.unchecked or bool(self.strays) or force_control
+
     def _hold(self) -> None:
         """Hold the controller's time at the next sample, if the clock can be held."""
         held = self._release_clock
@@ -186,7 +196,7 @@ class EnvelopeWatch:
                     envelope = self.envelope
                     if envelope is not None:
                         await self._judge(envelope, sample)
-                    if self.unchecked and envelope is not None:
+                    if self._loose and envelope is not None:
                         self._hold()
                     else:
                         self._release_clock()
@@ -319,7 +329,7 @@ class EnvelopeWatch:
         coordinator = self._coordinator
         # A checked motion may be on its way, and not be followed yet.
         ours = coordinator.pending or coordinator.streams or coordinator.follower.motions
-        checked = bool(ours) and not self.unchecked
+        checked = bool(ours) and not self._loose
         if found := self._beyond(checker, q, there, _LAG if checked else 0.0):
             return found
         if checked:

@@ -22,6 +22,8 @@ from aioduco import (
     StreamStopped,
     TaskState,
     TaskStopped,
+    WeavePlane,
+    WeaveShape,
     WorkerOptions,
 )
 from aioduco.envelope import (
@@ -47,7 +49,7 @@ from aioduco.supervision.state_feed import Subscription
 from aioduco.testing import FaultProxy, HalfOpen, eventually_async
 
 from .conftest import AT, FLAT, SPEED, START, THREAD, fastest, turned, wall
-from .trials import LAG, Seen, least
+from .trials import ARM, LAG, Seen, least, margins
 
 TOOL = Pose(0, 0, 0, 0, 0, 0)
 
@@ -206,6 +208,28 @@ async def test_a_corner_through_a_zone_that_slows_is_gone_through_slowly(
         robot.motion.movel(corner, v=0.1, a=2.0, r=0.15), robot.motion.movel(end, v=0.5, a=2.0)
     )
     assert fastest(seen) <= 0.1 * 1.05
+
+
+async def test_a_weave_over_a_line_beside_the_wall_is_stopped_before_it(
+    robot: aioduco.Robot, seen: Seen
+) -> None:
+    """The line itself is within the envelope."""
+    zone = wall(0.005)
+    robot.envelope = Envelope("gcr5_910", zone)
+    await robot.compound.combine_motion_config(
+        WeaveShape.SINE, WeavePlane.WORK_OBJECT_XY, fq=2.0, amp=0.03
+    )
+    await robot.compound.enable_combine_motion()
+    try:
+        here = await robot.state.get_tcp_pose()
+        with pytest.raises(TaskStopped) as caught:
+            await robot.motion.movel(here.shifted(x=-0.2), v=0.1, a=1.0)
+    finally:
+        await robot.compound.disable_combine_motion()
+    assert isinstance(caught.value.__cause__, EnvelopeViolated)
+    tool = ARM.fkine(np.array(seen.q))[:, :3, 3]
+    assert margins(zone, tool).min() > -LAG
+    await robot.motion.movel(here, v=0.1, a=1.0)
 
 
 @pytest.mark.slow
