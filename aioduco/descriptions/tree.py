@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from aioduco.errors import ParameterError
-from aioduco.kinematics.bodies import Capsule, bodies, cylinder_inertia
+from aioduco.kinematics.bodies import Capsule, bodies, cylinder_inertia, flange_on_link6
 from aioduco.kinematics.catalogue import arm_given
 from aioduco.kinematics.looks import Look, looks
 from aioduco.kinematics.mounting import MountingLike, base_in_world
@@ -162,7 +162,7 @@ class ArmDescription:
             )
         added = [
             ("base_link", LinkDescription(name("base")), np.eye(4)),
-            ("link_6", LinkDescription(name("flange")), _REP_199),
+            ("link_6", LinkDescription(name("flange")), flange_on_link6(arm) @ _REP_199),
             ("flange", LinkDescription(name("tool0")), _REP_199.T),
         ]
         if tool is not None:

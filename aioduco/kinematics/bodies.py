@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import numpy as np
 
+from aioduco.models.rotation import transform
+
 if TYPE_CHECKING:
     from aioduco.kinematics.arm import Arm
     from aioduco.models.rotation import Array
@@ -85,6 +87,16 @@ def bodies(arm: Arm) -> tuple[Body, ...]:
         )
         for i, parts in enumerate(_parts(arm))
     )
+
+
+def flange_on_link6(arm: Arm) -> Array:
+    """Return the flange in the frame of link 6, which it is but for an arm's corrections.
+
+    Returns:
+        A homogeneous matrix. Shape (4, 4).
+    """
+    geometry = arm.geometry
+    return transform(_turn(geometry.alpha[5], 0), np.array([geometry.a[5], 0.0, 0.0]))
 
 
 def _parts(arm: Arm) -> tuple[tuple[Capsule, ...], ...]:

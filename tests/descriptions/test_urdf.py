@@ -18,7 +18,7 @@ from for_each import for_each
 from aioduco import Joints, ParameterError, Pose
 from aioduco.descriptions import ArmDescription, Capsule, ToolDescription, mjcf, srdf, urdf
 from aioduco.descriptions.texts import ArmLike
-from aioduco.kinematics import Arm, arm, models
+from aioduco.kinematics import Arm, DhCorrections, arm, models
 from aioduco.kinematics.bodies import bodies
 from aioduco.sim import Simulator
 
@@ -104,6 +104,16 @@ def test_urdfdom_accepts_arms_with_prefixes_and_tools(
 @for_each("model", models())
 def test_mujoco_agrees_on_frames_inertias_and_limits(model: str) -> None:
     loaded, known = read_by_mujoco(urdf(model)), arm(model)
+    data = mujoco.MjData(loaded)
+    agrees(loaded, data, known, data.body("tool0"))
+
+
+def test_a_calibrated_arm_has_its_flange_where_its_kinematics_have_it() -> None:
+    nominal = arm("gcr5_910")
+    columns = np.random.default_rng(1).normal(0.0, 3e-3, (4, 6)).tolist()
+    corrections = DhCorrections(*map(tuple, columns))
+    known = replace(nominal, geometry=nominal.geometry._replace(corrections=corrections))
+    loaded = read_by_mujoco(urdf(known))
     data = mujoco.MjData(loaded)
     agrees(loaded, data, known, data.body("tool0"))
 

@@ -15,7 +15,7 @@ import viser
 
 from aioduco.envelope import Envelope, Zone
 from aioduco.integrations.panel.picture_door import portless
-from aioduco.kinematics.bodies import bodies
+from aioduco.kinematics.bodies import bodies, flange_on_link6
 from aioduco.kinematics.looks import COLOURS, looks, merged
 from aioduco.models.rotation import quaternion_from_matrix
 
@@ -109,7 +109,11 @@ class ArmScene:
         }
         if twin:
             self._arms["twin"] = self._add_arm(arm, "twin", _TWIN, 0.45)
-        draw.add_frame("/base/is/1/2/3/4/5/6/flange", axes_length=0.12, axes_radius=0.004)
+        on = flange_on_link6(arm)
+        draw.add_frame(
+            "/base/is/1/2/3/4/5/6/flange", axes_length=0.12, axes_radius=0.004,
+            wxyz=quaternion_from_matrix(on[:3, :3]), position=on[:3, 3],
+        )  # fmt: skip
         for thing in scene or ():
             self._add_body(f"/things/{thing.name or id(thing)}", thing.mjcf(free=False))
         for number, limit in enumerate(() if envelope is None else envelope.limits):

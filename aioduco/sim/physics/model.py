@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 import os
 from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree as ET
 
 from aioduco.errors import SceneError
-from aioduco.kinematics.bodies import Body, bodies
+from aioduco.kinematics.bodies import Body, bodies, flange_on_link6
 from aioduco.kinematics.looks import COLOURS, looks, merged
 from aioduco.kinematics.mjcf_elements import drive, inertial, numbers, placed, shape, surround
 from aioduco.models.pose import Pose
@@ -91,7 +90,9 @@ def mjcf(arm: Arm, timestep: float, mounting: Pose | None = None, *, pedestal: b
             kv=numbers([damping]), forcerange=numbers((-effort, effort)),
             group=str(SERVOS),
         )  # fmt: skip
-    flange = ET.SubElement(parent, "body", {"name": "flange", **_beside(arm)})
+    on = flange_on_link6(arm)
+    held = placed(on[:3, 3], on[:3, :3])
+    flange = ET.SubElement(parent, "body", {"name": "flange", **held})
     # The sensor measures what touches this geom; the link behind it is set back a little.
     thick, wide = 0.002, links[6].parts[0].radius
     ET.SubElement(
@@ -111,17 +112,6 @@ def mjcf(arm: Arm, timestep: float, mounting: Pose | None = None, *, pedestal: b
     ET.SubElement(sensor, "force", name="force", site="flange")
     ET.SubElement(sensor, "torque", name="torque", site="flange")
     return ET.tostring(root, encoding="unicode")
-
-
-def _beside(arm: Arm) -> dict[str, str]:
-    """Place the flange beside the frame of link 6, which it is but for an arm's corrections."""
-    a, alpha = arm.geometry.a[5], arm.geometry.alpha[5]
-    if not a and not alpha:
-        return {}
-    return {
-        "pos": numbers((a, 0.0, 0.0)),
-        "quat": numbers((math.cos(0.5 * alpha), math.sin(0.5 * alpha), 0.0, 0.0)),
-    }
 
 
 def _solid(parent: ET.Element, link: Body, name: str) -> None:
