@@ -105,6 +105,21 @@ async def test_a_gripper_that_falls_silent_ends_what_is_awaited(
                 pytest.fail("it is not known whether it holds something")
 
 
+async def test_what_it_held_before_the_program_is_missed_too() -> None:
+    """The arm went on without the part."""
+    hand = Hand()
+    hand.holding = True
+    async with hand:
+
+        async def carry() -> None:
+            async with hand.carrying():
+                hand.holding = False
+                await anyio.sleep_forever()
+
+        with anyio.fail_after(20.0), pytest.raises(errors.ObjectLost, match="was stopped"):
+            await carry()
+
+
 async def test_a_gripper_that_reports_again_is_known_again() -> None:
     async with Hand() as hand:
         await hand.close()
