@@ -12,7 +12,6 @@ from aioduco.models.state import Vector, vector
 
 if TYPE_CHECKING:
     from aioduco.models.rules import Real, VectorLike, Whole
-    from aioduco.supervision.supervisor import Supervisor
 
 T = TypeVar("T")
 
@@ -27,12 +26,7 @@ class Registers(Section):
     domain is named "domain.variable".
     """
 
-    __slots__ = ("_read",)
-
-    def __init__(self, supervisor: Supervisor) -> None:
-        super().__init__(supervisor)
-        #: functions with the names of the variables that they have read, which thus exist
-        self._read: set[tuple[str, str]] = set()
+    __slots__ = ()
 
     async def write_bool_reg(self, num: Whole, value: bool) -> None:
         """Write an internal bool register (内部 bool 寄存器).
@@ -244,13 +238,9 @@ class Registers(Section):
         return tuple(vector(row, None) for row in values)
 
     async def _value(self, call: WireCall[T]) -> T:
-        """Read a variable; by a single call if it was read before, so that it is known to exist."""
+        """Read a variable; it may have gone since the last read, as with another project."""
         (name,) = call.args
-        if (call.name, name) in self._read:
-            return await self._rpc.send(call)
-        value = await self._read_checked(call, name)
-        self._read.add((call.name, name))
-        return value
+        return await self._read_checked(call, name)
 
     async def _set(self, call: WireCall[int]) -> None:
         """Set a variable, and check the answer, which is 0 on success."""

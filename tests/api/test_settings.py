@@ -161,6 +161,17 @@ async def test_what_a_read_was_refused_for_is_no_error_of_the_next_command(
     assert failed.value.errors == ("it is not calibrated",)
 
 
+async def test_a_variable_that_goes_with_its_project_is_missed(
+    robot: aioduco.Robot, desk: Desk
+) -> None:
+    """It was read as 0 after that."""
+    desk.answer("get_system_value_double", 1.5)
+    assert await robot.registers.get_system_value_double("count") == 1.5
+    desk.fails("get_system_value_double", 0.0, "get_system_value_double: there is no 'count'")
+    with pytest.raises(aioduco.Refused, match="there is no 'count'"):
+        await robot.registers.get_system_value_double("count")
+
+
 async def test_a_recording_that_does_not_begin(robot: aioduco.Robot, desk: Desk) -> None:
     desk.begins("start_record_track", end=aioduco.TaskState.ILLEGAL, lasting=0.0)
     with pytest.raises(aioduco.TaskIllegal, match="start_record_track"):
