@@ -49,8 +49,10 @@ async def reach(robot: aioduco.Robot, place: tuple[float, float, float], *, clos
         await path.add(robot.motion.movel(down, v=0.1, a=0.5))
     try:
         await grip(robot, closed=closed)
-    finally:
+    except NoPart:  # only then: after Ctrl-C, or when a sensor fails, the arm stays where it is
         await robot.motion.movel(above, v=0.2, a=0.8)
+        raise
+    await robot.motion.movel(above, v=0.2, a=0.8)
 
 
 async def main(host: str, port: int) -> None:

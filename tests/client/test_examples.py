@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import importlib.util
 import json
 import re
@@ -10,11 +11,16 @@ import sys
 from pathlib import Path
 
 import pytest
+from example_modules import example
 from interpreter import python
 from moments import complaints
 
 import aioduco.sync
+from aioduco._wire import rpc
 from aioduco.sim import Simulator
+from aioduco.testing import eventually_async
+
+from .bench import Bench
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 PATIENT = str(Path(__file__).parents[1] / "patient.py")
@@ -96,6 +102,21 @@ def test_with_more_than_an_arm(name: str) -> None:
     said = run(str(EXAMPLES / name), speed=speed)
     for words in says:
         assert words in said
+
+
+async def test_a_program_that_is_ended_while_it_grips_moves_nothing_more(
+    bench: Bench, robot: aioduco.Robot
+) -> None:
+    """The arm went up after Ctrl-C."""
+    bench.answer("getRobotIOStatus", rpc.IOStatus(digitalInputs=[False] * 16))
+    module = example("pick_and_place")
+    work = asyncio.create_task(module.reach(robot, module.FROM[0], closed=True))
+    await eventually_async(lambda: bench.received("set_standard_digital_out"))
+    motions = len(bench.received("movel"))
+    work.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await work
+    assert len(bench.received("movel")) == motions
 
 
 @pytest.mark.slow
