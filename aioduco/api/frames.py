@@ -55,7 +55,7 @@ class Frames(Section):
         await self._finish(
             calls.set_tool_data(
                 ranges.NAME("name", name),
-                ranges.POSE("tool_offset", tool_offset),
+                ranges.TOOL_OFFSET("tool_offset", tool_offset),
                 ranges.PAYLOAD("payload", payload),
                 ranges.INERTIA("inertia_tensor", inertia_tensor),
             )

@@ -208,6 +208,8 @@ FLOAT_REGISTER = Integer(1, 32, source="1.3.7")
 #: the manual gives no range; a word has 16 bits, signed or unsigned
 WORD = Integer(-(2**15), 2**16 - 1, source="1.3.7")
 
+#: the manual gives no range; no tool is longer than an arm
+TOOL_OFFSET = PoseRule(farthest=LONGEST_ARM, source="1.3.7")
 #: of a centre of mass
 _COORDINATE = Number(unit="m", plausible=LONGEST_ARM, source="1.3.7")
 #: mass in kg, then its centre in m; the manual gives no range; a mass is not negative

@@ -449,13 +449,16 @@ class Vector(Rule):
 
 
 class PoseRule(Vector):
-    """A pose: x, y, z in m, then rx, ry, rz in rad; a `Joints` is refused, although it has six."""
+    """A pose: x, y, z in m, then rx, ry, rz in rad; a `Joints` is refused, although it has six.
+
+    `farthest` is the maximum distance along an axis [m].
+    """
 
     __slots__ = ()
     _other = Joints
 
-    def __init__(self, *, source: str) -> None:
-        position = Number(unit="m", plausible=FARTHEST, source=source)
+    def __init__(self, *, farthest: float = FARTHEST, source: str) -> None:
+        position = Number(unit="m", plausible=farthest, source=source)
         angle = Number(-2 * math.pi, 2 * math.pi, "rad", source=source)
         super().__init__(position, position, position, angle, angle, angle, source=source)
         self.expected = "a pose: x, y, z in m, then rx, ry, rz in rad"

@@ -171,7 +171,7 @@ async def test_millimetres_are_refused(robot: aioduco.Robot, bench: Bench) -> No
     for sent in (
         robot.frames.set_load_data([2.0, 0, 0, 50]),
         robot.frames.set_tool_data("grip", [0, 0, 0.12, 0, 0, 0], [0.8, 0, 0, 50]),
-        robot.frames.set_tool_data("grip", [0, 0, 120, 0, 0, 0], [0.8, 0, 0, 0.05]),
+        robot.frames.set_tool_data("grip", [0, 0, 12, 0, 0, 0], [0.8, 0, 0, 0.05]),
         robot.compound.combine_motion_config(2, 0, 2.0, 3.0),
         robot.force.fc_wait_pos(high, near, absolute=True, duration=0.1, timeout=10),
     ):
