@@ -185,6 +185,23 @@ def _set(sensor: str, held: Load) -> tuple[str, ...]:
 
 
 @pytest.mark.slow
+def test_an_arm_of_a_cell_is_mounted_as_the_cell_says(arm: Simulator, tmp_path: Path) -> None:
+    """It was measured as of an arm on the floor; here an arm on the floor is said to hang."""
+    file = tmp_path / "cell.toml"
+    poses = [np.degrees(np.add(HOME, turn)).tolist() for turn in TURNS]
+    file.write_text(
+        f'[robots.left]\nhost = "{arm.host}"\nport = {arm.port}\nmodel = "gcr5_910"\n'
+        'mounting = "ceiling"\n' + "".join(f"[[waypoint]]\njoints_deg = {pose}\n" for pose in poses)
+    )
+    arm.load(1.5, (0.0, 0.0, 0.1))
+    words = ("payload", "left", "--cell", str(file), "--poses", str(file), "--yes")
+    upside_down = invoke(*words)
+    assert (upside_down.exit_code, "-1.500 kg" in upside_down.stderr) == (1, True)
+    said = invoke(*words, "--mounting", "floor")
+    assert (said.exit_code, "1.500 kg" in said.stdout) == (0, True)
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("taught_with", "model", "said"),
     [

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from aioduco.kinematics import Arm, MeasuredLoad
     from aioduco.models.load import Load
     from aioduco.models.pose import Joints
+    from aioduco.models.rotation import Array
     from aioduco.models.state import Vector
     from aioduco.recording.playback import WaypointFile
     from aioduco.sync import Robot
@@ -66,7 +67,7 @@ def payload(
     set_load: Annotated[_Numbers | None, typer.Option(metavar="KG X Y Z")] = None,
     tool: str | None = None,
     held: bool = False,
-    mounting: Mounting = Mounting.FLOOR,
+    mounting: Mounting | None = None,
     model: str | None = None,
     yes: Yes = False,
     json: Json = False,
@@ -94,7 +95,7 @@ def payload(
             [m]; the controller does not tell it.
         tool: Write the result as the load of a tool of this name: it asks first.
         held: Write what the result has beyond the tool's load, as held by the tool: it asks first.
-        mounting: Where the arm is mounted.
+        mounting: Where the arm is mounted. Default: as the cell says, or floor.
         model: Model of the arm. Default: as the controller says.
     """
     if held and tool is not None:
@@ -108,6 +109,9 @@ def payload(
     kept, file = (None, None) if poses is None else _file(poses)
     if cell is not None:
         kept = load_cell(cell)
+    name = address.name if kept is not None and address.name in kept.robots else None
+    with ended_by_errors():
+        down = _gravity(mounting, kept, name)
     if file is None:
         what = GIVES_WAY.format(address)
     else:
@@ -126,7 +130,6 @@ def payload(
     # A person may take any time: hand guiding must not stop because no call is made.
     with control_session(address, hold_limit=None) as robot:
         if kept is not None and file is not None:
-            name = address.name if address.name in kept.robots else None
             robot.envelope = robot.envelope or kept.envelope(name)
             _check_ways(kept, name, robot.state.get_actual_joints_position(), file)
         arm = known_arm or _arm(robot)
@@ -134,7 +137,7 @@ def payload(
         robot.bring_up()
         gone_to = _guided(robot) if file is None else _moved(robot, file, here)
         joints, read = _readings(robot, sensor, gone_to)
-        found = _found(robot, sensor, arm, joints, read, set_load, mounting)
+        found = _found(robot, sensor, arm, joints, read, set_load, down)
         if json:
             print_json({"load": found.load._asdict(), "uncertainty": found.uncertainty})
         else:
@@ -180,6 +183,19 @@ def _file(path: Path) -> tuple[Cell | None, WaypointFile]:
             USAGE,
         )
     return kept, file
+
+
+def _gravity(mounting: Mounting | None, cell: Cell | None, name: str | None) -> Array:
+    """Gravity along the axes of an arm's base: as the option says, or the cell, or on a floor.
+
+    Raises:
+        ParameterError: the cell has several robots, and it is not known which one is meant.
+    """
+    from aioduco.kinematics import gravity  # noqa: PLC0415 - quick help
+
+    if mounting is not None:
+        return gravity(mounting.value)
+    return gravity(cell.robot(name).mounting if cell is not None and cell.robots else "floor")
 
 
 def _check_ways(cell: Cell, name: str | None, start: Joints, file: WaypointFile) -> None:
@@ -291,22 +307,19 @@ def _found(
     joints: list[Joints],
     read: list[Vector],
     set_load: _Numbers | None,
-    mounting: Mounting,
+    down: Array,
 ) -> MeasuredLoad:
     """The load of tool and held things; too few poses end the command."""
     from aioduco.kinematics import (  # noqa: PLC0415 - quick help
-        gravity,
         identify_load_by_forces,
         identify_load_by_torques,
     )
-    from aioduco.kinematics.mounting import base_in_world  # noqa: PLC0415
     from aioduco.kinematics.payload import MIN_POSES  # noqa: PLC0415
     from aioduco.models.load import Load  # noqa: PLC0415
 
     if len(joints) < MIN_POSES:
         needed = f"{MIN_POSES} or more are needed, and eight are good"
         fail(f"{len(joints)} poses were read, but {needed}: nothing was written")
-    down = gravity(base_in_world(mounting.value, arm))
     if sensor is Sensor.FORCE:
         flanges = [arm.fkine(q) for q in joints]
         return identify_load_by_forces(flanges, read, gravity=down)
