@@ -13,7 +13,7 @@ from aioduco.sim.cabinet.modbus import ModbusSlave, RtuSlave, ScriptedGripper, c
 from aioduco.sim.cabinet.ports import CanPort, SerialPort
 from aioduco.sim.simulator import Simulator
 
-from .conftest import Connect, Program
+from .conftest import Aside, Connect, Program
 
 
 @pytest.fixture
@@ -263,6 +263,29 @@ def test_a_slave_that_is_away_does_not_answer(sim: Simulator, program: Program) 
     assert program.modbus_write("away", 1) == TaskState.ERROR
     assert program.modbus_read("away") == -1
     assert "does not answer" in program.get_last_error()[-1]
+
+
+class EmergencyStopper(ModbusSlave):
+    """Presses the emergency stop when a register is written, as a safety controller may."""
+
+    def __init__(self, sim: Simulator) -> None:
+        super().__init__(registers={0: 0})
+        self.sim = sim
+
+    def write_registers(self, address: int, values: list[int]) -> None:
+        super().write_registers(address, values)
+        self.sim.emergency_stop()
+
+
+def test_a_slave_may_act_on_the_simulator(sim: Simulator, aside: Aside) -> None:
+    sim.cabinet.modbus.slaves["10.0.0.5", 1] = EmergencyStopper(sim)
+
+    def write(program: Program) -> int:
+        program.modbus_add_signal("10.0.0.5", 1, 0, 3, "stop")
+        return program.modbus_write("stop", 1)
+
+    assert aside(sim, write).result() == TaskState.FINISHED
+    assert sim.view.emergency_stop
 
 
 def test_signals_are_read_at_their_frequency(sim: Simulator, program: Program) -> None:

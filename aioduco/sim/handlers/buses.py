@@ -212,14 +212,19 @@ class BusHandlers(HandlerSection):
         return self._change(function, change)
 
     def _change(self, name: str, change: Callable[[], None]) -> int:
+        wrong: Rejected | None = None
+        # Without the controller's lock: a slave may use the simulator's methods, which need it.
+        try:
+            with self._cabinet.lock:
+                change()
+        except ValueError as exc:
+            wrong = mismatch(str(exc))
+        except NoAnswer as exc:
+            wrong = Rejected(TaskState.ERROR, str(exc))
+
         def command(_: Controller) -> None:
-            try:
-                with self._cabinet.lock:
-                    change()
-            except ValueError as exc:
-                raise mismatch(str(exc)) from None
-            except NoAnswer as exc:
-                raise Rejected(TaskState.ERROR, str(exc)) from None
+            if wrong is not None:
+                raise wrong
 
         return self._task(name, True, command)
 
