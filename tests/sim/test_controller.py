@@ -543,6 +543,17 @@ def test_a_lost_heartbeat_stops_everything_and_the_next_program_may_move(ready: 
     assert ready.ended(ready.controller.move("movej2", leg(1.0))) == 4
 
 
+def test_a_lost_heartbeat_stops_what_waits_for_the_end_of_force_control(ready: Bench) -> None:
+    ready.controller.force.start()
+    ready.controller.heartbeat.beat(ready.time, 200)
+    ready.tick(200)
+    ready.controller.force.stop()
+    id_ = ready.controller.move("movej2", leg(1.0))
+    ready.tick()
+    assert not ready.controller.heartbeat.armed
+    assert ready.ended(id_) == 3
+
+
 def test_an_axis_that_begins_as_idle_time_ends_has_the_speed_of_its_cycle(ready: Bench) -> None:
     """Where nothing happens, several cycles pass at once; a command comes in the last of them."""
     axes = SimulatedExternalAxes({"rail": [Axis(0.0, 1.0, 1.0, 2.0)]})

@@ -640,7 +640,7 @@ class Controller:
 
     def _lose_heartbeat(self) -> None:
         """Stop the arm without a safety stop: the next program may move it."""
-        if self.motion.phase is not _IDLE or self.power.busy or self._execution.active:
+        if not self.idle or self.power.busy or self._execution.active:
             self.note_error("heartbeat lost: all tasks were stopped")
             self.stop()
 
