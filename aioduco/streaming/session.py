@@ -30,6 +30,7 @@ import anyio.lowlevel
 
 from aioduco._process import trial
 from aioduco._process.platform import boot_time, clock_step
+from aioduco._process.reporting import BackgroundLogger
 from aioduco._process.spawn import Process, Unstartable
 from aioduco._wire.failures import resource_error
 from aioduco._wire.forks import fork_hooks
@@ -52,12 +53,15 @@ if TYPE_CHECKING:
     from aioduco.streaming.shared.config import WorkerConfig
 
 
+_log = BackgroundLogger(__name__)
+
 _HALTED = 2.0  # seconds within which a halted worker must end
 _KILLED = 1.0  # seconds within which a killed process must end
 _EXIT = 5.0  # seconds within which a worker's process must exit after it has closed its socket
 _LOOK = 0.25  # seconds between two checks whether the worker's process hangs
 _LOOK_EVERY = 0.005  # seconds between two checks whether a worker has ended
 _FOR_EVER = 2**64 - 1  # ns
+
 #: why a stream ends whose permit has ended; FAILED for others
 _REASONS = {PermitEnding.LAPSED: Reason.LAPSED, PermitEnding.HUNG: Reason.HUNG}
 
@@ -435,8 +439,17 @@ class Session(OpenStream):
         try:
             async with anyio.create_task_group() as tasks:
                 tasks.start_soon(self._kill_if_hung, patience)
+                told = False
                 while await self._receive(self._link):
                     self._wake()
+                    if self.unanswered and not told:
+                        told = True
+                        _log.warning(
+                            "the arm is stopped, and watched until nothing can come any more of a "
+                            "set-point of %s that was not answered, for up to %g s",
+                            self.name,
+                            self._config.unanswered_timeout,
+                        )
                 tasks.cancel_scope.cancel()
             with anyio.CancelScope(shield=True):
                 await self._wait_for_exit(_EXIT)
