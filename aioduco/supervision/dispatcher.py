@@ -131,10 +131,11 @@ class Dispatcher:
             coordinator = self._coordinator
             await self.permits.after_stops(permit)
             await coordinator.modes.leave_overdue(name)
+            resumed = self._gate.resumed and not await coordinator.stands()
             self._admit(command, permit)
             motions = coordinator.follower.motions
-            if motions or coordinator.modes.moving or coordinator.pending:
-                moved = ", ".join(map(repr, motions)) or "a mode in which the arm moves"
+            if motions or coordinator.modes.moving or coordinator.pending or resumed:
+                moved = ", ".join(map(repr, motions)) or "a motion without a task, or a mode,"
                 raise RobotStateError(
                     f"{name} was not opened: {moved} is under way, and the arm can follow only one"
                 )

@@ -401,6 +401,21 @@ async def test_no_stream_while_a_motion_is_under_way(robot: aioduco.Robot) -> No
         await motion
 
 
+async def test_no_stream_while_the_arm_moves_by_what_this_program_resumed(
+    robot: aioduco.Robot, sim: Simulator
+) -> None:
+    """The controller would carry out its set-points when that has ended, far from there."""
+    target = [START[0] + 0.5, *START[1:]]
+    async with aioduco.connect(sim.host, sim.port) as other:
+        await other.motion.movej2(target, v=0.05, a=5.0).start()
+        await other.pause()
+        await robot.resume()
+        with pytest.raises(RobotStateError, match="servoj was not opened: a motion without a task"):
+            async with robot.servo.joints(v=1.0, a=8.0):
+                raise AssertionError("entered")
+        await robot.stop()
+
+
 async def test_no_stream_of_a_robot_that_is_not_open(sim: Simulator) -> None:
     robot = aioduco.connect(sim.host, sim.port)
     with pytest.raises(RobotStateError, match="the robot is not open"):
