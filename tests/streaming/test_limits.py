@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
 import time
 from collections.abc import Callable
@@ -137,6 +138,24 @@ def test_speeds_are_ramped_and_end_at_zero(
         ticks += 1
         assert ticks <= limit
     assert before == (0.0,) * 6
+
+
+@pytest.mark.parametrize("passed", [1, 3])
+def test_speeds_that_an_envelope_slows_down_keep_the_limits(passed: int) -> None:
+    slow = math.inf
+
+    def allowed(speeds: Any) -> float:
+        return min(1.0, slow / math.hypot(*speeds[:3]))
+
+    rates = SpeedGenerator(POSE_SPACE, Limits((1.0, 1.0), (2.0, 2.0)), 0.01, allowed)
+    rates.aim((0.6, 0.0, 0.8, 0.0, 0.0, 0.0), 0.01, 0.01)
+    speeds = [rates.step(passed) for _ in range(60)]
+    slow = 0.1
+    speeds += [rates.step(passed) for _ in range(60)]
+    assert math.hypot(*speeds[59]) == pytest.approx(1.0)
+    assert math.hypot(*speeds[-1]) == pytest.approx(0.1)
+    steps = [math.dist(one, other) for one, other in itertools.pairwise(speeds)]
+    assert max(steps) <= 2.0 * 0.01 * passed * ROUNDING
 
 
 @pytest.mark.parametrize("kind", [Limiter, JerkLimiter])

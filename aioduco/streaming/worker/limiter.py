@@ -378,34 +378,35 @@ class SpeedGenerator:
             passed: number of ticks that each call takes on a slow connection: a speed changes with
                 time, and not with the calls that are possible.
         """
-        before, config = self.config, self._advance(passed)
-        if self._allowed is None:
-            return config
-        share = self._allowed(config)
-        if share is None:
-            self.config = before
-            return self.brake(passed)
-        if share < 1.0:
-            self.config = tuple([share * each for each in config])
-            self.limited += 1
-        return self.config
+        config = self._towards(self._target, passed)
+        if self._allowed is not None:
+            share = self._allowed(config)
+            if share is None:
+                return self.brake(passed)
+            if share < 1.0:
+                slower = tuple([share * each for each in config])
+                config = self._towards(slower, passed)
+                if config != slower:
+                    config = self._braked(passed)
+        self.config = config
+        self.limited += config != self._target
+        return config
 
-    def _advance(self, passed: int) -> Config:
-        if self.config == self._target:
-            return self.config
+    def _towards(self, target: Displacement, passed: int) -> Displacement:
+        """The speed after so many ticks, on the way to another one within the limits."""
+        if self.config == target:
+            return target
         new: list[float] = []
         for group, top, change in self._rules:
             now = self.config[group]
-            wanted = _at_most(list(self._target[group]), top)
+            wanted = _at_most(list(target[group]), top)
             delta = [w - n for w, n in zip(wanted, now, strict=True)]
             step = _at_most(delta, change * self._period * passed)
             if step is delta:
                 new += wanted
             else:
                 new += (n + s for n, s in zip(now, step, strict=True))
-        self.config = tuple(new)
-        self.limited += self.config != self._target
-        return self.config
+        return tuple(new)
 
     def brake(self, passed: int = 1) -> Config:
         """Brake for the ticks that have passed, so that all axes stop at the same time.
@@ -414,9 +415,12 @@ class SpeedGenerator:
             The speed.
         """
         self._target = _ZERO
-        share = _braked_share(self.config, self._rules, self._period * passed)
-        self.config = tuple(r * share for r in self.config) if share else _ZERO
+        self.config = self._braked(passed)
         return self.config
+
+    def _braked(self, passed: int) -> Displacement:
+        share = _braked_share(self.config, self._rules, self._period * passed)
+        return tuple(r * share for r in self.config) if share else _ZERO
 
 
 def _length(vector: tuple[float, ...] | list[float]) -> float:
