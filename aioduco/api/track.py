@@ -70,6 +70,7 @@ class Track(Section, TrackStreams):
         Section.__init__(self, supervisor)
         TrackStreams.__init__(self, endpoint)
         self._modes = supervisor.stop_coordinator.modes
+        self._streams = supervisor.stop_coordinator.streams
         #: kind of the points that this program put in since the pool was last empty; None: unknown
         self._last_kind: _Kind | None = None
         #: whether this program made the arm follow the pool: new points may then move the arm
@@ -87,7 +88,8 @@ class Track(Section, TrackStreams):
 
         Raises:
             ParameterError: a point is out of range; nothing was sent.
-            RobotStateError: the pool holds points of the other kind; nothing was sent.
+            RobotStateError: the pool holds points of the other kind, or those of a stream that is
+                open; nothing was sent.
             TrackPoolFull: there is no room for them; `getQueueSize` returns the number of points in
                 the pool.
             TaskStopped: the arm was stopped while they were on their way. The pool is emptied
@@ -115,7 +117,8 @@ class Track(Section, TrackStreams):
 
         Raises:
             ParameterError: a point is out of range; nothing was sent.
-            RobotStateError: the pool holds points of the other kind; nothing was sent.
+            RobotStateError: the pool holds points of the other kind, or those of a stream that is
+                open; nothing was sent.
             TrackPoolFull: there is no room for them; `getQueueSize` returns the number of points in
                 the pool.
             TaskStopped: the arm was stopped while they were on their way. The pool is emptied
@@ -143,7 +146,7 @@ class Track(Section, TrackStreams):
         Manual section 1.3.12.
         """
         await self._finish(calls.trackClearQueue())
-        self._modes.over(TRACK_POOL)
+        self._emptied()
 
     async def getQueueSize(self) -> int:  # noqa: N802  # as above
         """Read the number of points that are left in the pool (轨迹池大小).
@@ -152,8 +155,12 @@ class Track(Section, TrackStreams):
         """
         size = await self._rpc.getQueueSize()
         if size == 0:
-            self._modes.over(TRACK_POOL)
+            self._emptied()
         return size
+
+    def _emptied(self) -> None:
+        if not self._streams:  # an open one may add more
+            self._modes.over(TRACK_POOL)
 
     def trackJointMotion(self, speed: Real, acc: Real) -> MotionCommand:  # noqa: N802  # as above
         """Follow the points of the pool as joint angles (关节轨迹池跟随), until none is left.
@@ -218,7 +225,9 @@ class Track(Section, TrackStreams):
 
         If the arm follows the pool, they move the arm.
         """
-        if self._followed:
+        # beside a stream into the pool they are refused, as motions are
+        moves = self._followed or (bool(self._streams) and TRACK_POOL in self._modes)
+        if moves:
             self._supervisor.check_permitted(call.name)
         await self._modes.leave_overdue(call.name)
         held = self._kind
@@ -227,7 +236,7 @@ class Track(Section, TrackStreams):
                 f"points of type {kind.__name__} were not sent: this program has put points of "
                 f"type {held.__name__} into the pool; call trackClearQueue first"
             )
-        await self._supervisor.envelope.admit(call.name, joints, moves=self._followed)
+        await self._supervisor.envelope.admit(call.name, joints, moves=moves)
         self._last_kind = kind or held
         gate = self._supervisor.permits.gate
         permit = gate.ask(call.name, boot_time(), moves=False)
@@ -235,9 +244,7 @@ class Track(Section, TrackStreams):
         filled = self._modes.enter(TRACK_POOL)
         try:
             # The arm may follow the pool, without a task that reports the motion.
-            answer = await (
-                self._feed(call, TRACK_POOL) if self._followed else self._rpc.send(call)
-            )
+            answer = await (self._feed(call, TRACK_POOL) if moves else self._rpc.send(call))
             _taken(call.name, answer)
         except (OutcomeUnknown, Refused, ControllerError):
             raise  # some may be in the pool

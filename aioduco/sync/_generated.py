@@ -3069,7 +3069,8 @@ class Track(_Section):
 
         Raises:
             ParameterError: a point is out of range; nothing was sent.
-            RobotStateError: the pool holds points of the other kind; nothing was sent.
+            RobotStateError: the pool holds points of the other kind, or those of a stream that is
+                open; nothing was sent.
             TrackPoolFull: there is no room for them; `getQueueSize` returns the number of points in
                 the pool.
             TaskStopped: the arm was stopped while they were on their way. The pool is emptied
@@ -3092,7 +3093,8 @@ class Track(_Section):
 
         Raises:
             ParameterError: a point is out of range; nothing was sent.
-            RobotStateError: the pool holds points of the other kind; nothing was sent.
+            RobotStateError: the pool holds points of the other kind, or those of a stream that is
+                open; nothing was sent.
             TrackPoolFull: there is no room for them; `getQueueSize` returns the number of points in
                 the pool.
             TaskStopped: the arm was stopped while they were on their way. The pool is emptied

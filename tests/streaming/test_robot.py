@@ -378,6 +378,15 @@ async def test_no_motion_while_a_stream_is_open(robot: aioduco.Robot) -> None:
         await stream.send(START)
 
 
+async def test_no_points_of_others_in_the_pool_that_a_stream_follows(robot: aioduco.Robot) -> None:
+    async with robot.track.stream("joints", speed=0.5, acc=1.0, options=THREAD) as stream:
+        await stream.play([START])
+        while await robot.track.getQueueSize():
+            pass  # it is empty at last, and more may follow
+        with pytest.raises(RobotStateError, match=r"trackEnqueue was not sent: the arm follows"):
+            await robot.track.trackEnqueue([START])
+
+
 async def test_nor_in_the_block_of_a_stream_that_has_ended(robot: aioduco.Robot) -> None:
     stream = robot.servo.joints(v=1.0, a=8.0, options=THREAD)
     await stream.__aenter__()
