@@ -67,6 +67,10 @@ class TaskControl(Protocol):
         """Resume all tasks; return whether anything was paused."""
         ...
 
+    async def paused(self) -> bool:
+        """Whether something is paused; True also if the controller does not say."""
+        ...
+
     async def end(self, name: str, *, answered: Callable[[], None] | None = None) -> None:
         """End continuous motions by the function `name` of the wire; wait until the arm stands.
 

@@ -440,8 +440,8 @@ class TaskFollower:
             task.stood_since = None
         elif task.stood_since is None:
             task.stood_since = now
-        elif task.time_over or now - task.stood_since >= STOOD:
-            task.life.mark_standing()
+        elif (task.time_over or now - task.stood_since >= STOOD) and not await self._arm.paused():
+            task.life.mark_standing()  # one that somebody has paused goes on when it is resumed
         return True
 
     async def _expect(self, task: Task) -> None:

@@ -15,8 +15,8 @@ import pytest
 from moments import cancelled_once
 
 import aioduco
-from aioduco import HeldMotion, Jog, Outcome, Task
-from aioduco.supervision import task_state
+from aioduco import HeldMotion, Jog, Outcome, ProgramState, Task
+from aioduco.supervision import task_follower, task_state
 from aioduco.testing import eventually_async
 from api.desk import Desk
 
@@ -149,6 +149,22 @@ async def test_an_arm_that_stands_before_its_time_ended_as_the_controller_says(
     await eventually_async(desk.moving)
     desk.halted()  # it met an obstacle, say
     # No time of ours makes anything else of it: the controller's may go faster.
+    assert await task is Outcome.FINISHED
+
+
+async def test_one_that_somebody_has_paused_has_not_ended(
+    robot: aioduco.Robot, desk: Desk, early: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It goes on when anybody resumes, and leaving the robot would stop nothing."""
+    if not early:
+        return  # the state of its task says it
+    monkeypatch.setattr(task_follower, "STOOD", 0.0)
+    desk.states[1] = ProgramState.PAUSED
+    desk.answer("robotmoving", False)
+    task = await robot.motion.speedl(DOWN, a=1.0, time=30.0).start()
+    await eventually_async(lambda: task.done or len(desk.received("get_robot_state")) > 5)
+    assert not task.done
+    desk.states[1] = ProgramState.STOPPED
     assert await task is Outcome.FINISHED
 
 
