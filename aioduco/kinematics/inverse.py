@@ -51,7 +51,11 @@ ROUNDING = 1e-13
 """Change of the flange's orientation by which such a turn is undone [rad]."""
 
 
-_CORRECTING = 5  # steps that improve a solution of the lengths of an arm with corrections
+_BENT = 0.99  # largest size of a sine or cosine from which a solution is improved
+_REACHES = 1.05  # largest one of a pose that corrections may bring into reach
+_CORRECTINGS = (
+    5  # times two steps that improve a solution of the lengths of an arm with corrections
+)
 _REACHED = 1e-9  # error of the flange's pose below which such a solution is one [m, rad]
 
 
@@ -71,14 +75,15 @@ def closed_form(geometry: Geometry, flange: Array, q6: Array | float = 0.0) -> A
     return solve(geometry, flange, q6)
 
 
-def _of_lengths(g: Geometry, flange: Array, q6: Array | float) -> Array:
+def _of_lengths(g: Geometry, flange: Array, q6: Array | float, *, near: bool = False) -> Array:
+    arc = _near_arc if near else _arc
     rotation, point = flange[..., :3, :3], flange[..., :3, 3]
     wrist = point - g.d6 * rotation[..., :, 2]
     out = np.empty((*flange.shape[:-2], 2, 2, 2, 6))
     x, y = wrist[..., 0], wrist[..., 1]
     away = np.hypot(x, y)
     with np.errstate(invalid="ignore", divide="ignore"):
-        turn = _arc(np.arcsin, g.d2 / away)
+        turn = arc(np.arcsin, g.d2 / away)
     toward = np.arctan2(y, x)
     # [..., shoulder]
     q1 = np.stack([toward - turn, toward - math.pi + turn], axis=-1)
@@ -127,7 +132,7 @@ def _of_lengths(g: Geometry, flange: Array, q6: Array | float) -> Array:
         q6s, q234 = q6s - c5 * turned, q234 + turned
     u, w = u - g.d5 * np.sin(q234), w - g.d5 * np.cos(q234)
     with np.errstate(invalid="ignore"):
-        bend = _arc(np.arccos, (u * u + w * w - g.a2**2 - g.a3**2) / (2 * g.a2 * g.a3))
+        bend = arc(np.arccos, (u * u + w * w - g.a2**2 - g.a3**2) / (2 * g.a2 * g.a3))
     for elbow, q3 in enumerate((bend, -bend)):
         q2 = np.arctan2(u, w) - np.arctan2(g.a3 * np.sin(q3), g.a2 + g.a3 * np.cos(q3))
         solution = out[..., :, elbow, :, :]
@@ -145,11 +150,15 @@ def _of_lengths(g: Geometry, flange: Array, q6: Array | float) -> Array:
 def _corrected(geometry: Geometry, flange: Array, q6: Array | float) -> Array:
     """Return all solutions for an arm with corrections: those of its lengths, improved."""
     offsets = np.array(geometry.corrections.theta if geometry.corrections else (0.0,) * 6)
-    near = _of_lengths(geometry, flange, q6 + offsets[5]) - offsets
+    near = _of_lengths(geometry, flange, q6 + offsets[5], near=True) - offsets
     goal = flange[..., None, :, :]
-    found = refine(geometry, near, goal, rounds=_CORRECTING)
-    with np.errstate(invalid="ignore"):
-        reached = np.abs(residual(geometry, found, goal)).max(axis=-1) < _REACHED
+    found, tried = near, ~np.isnan(near).any(axis=-1)
+    for _ in range(_CORRECTINGS):
+        found = refine(geometry, found, goal)
+        with np.errstate(invalid="ignore"):
+            reached = np.abs(residual(geometry, found, goal)).max(axis=-1) < _REACHED
+        if not (tried & ~reached).any():
+            break
     found[~reached] = np.nan
     return found
 
@@ -186,6 +195,16 @@ def _arc(function: np.ufunc, ratio: Array) -> Array:
     size = np.abs(ratio)
     ended = np.where(size >= 1 - EDGE, np.sign(ratio), ratio)
     angle: Array = function(np.where(size <= 1 + REACH, ended, np.nan))
+    return angle
+
+
+def _near_arc(function: np.ufunc, ratio: Array) -> Array:
+    """An angle from which steps lead to that of an arm whose corrections change its reach.
+
+    At the end of the range itself they would lead nowhere, or to the other branch.
+    """
+    size = np.abs(ratio)
+    angle: Array = function(np.where(size <= _REACHES, np.clip(ratio, -_BENT, _BENT), np.nan))
     return angle
 
 

@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 from quick import examples
 
 from aioduco.errors import ParameterError, Unreachable
-from aioduco.kinematics import Arm, arm, models
+from aioduco.kinematics import Arm, DhCorrections, arm, models
 from aioduco.kinematics.forward import singular_values
 from aioduco.kinematics.inverse import (
     BRANCHES,
@@ -351,6 +351,19 @@ def test_a_wrist_beyond_the_stretched_arm_is_out_of_reach_by_the_way_to_it(up: f
 @for_each("folded", [-2.6, 2.6])
 def test_a_wrist_that_a_folded_arm_reaches_is_not_out_of_reach(folded: float) -> None:
     assert shortfall(FIVE.geometry, FIVE.fkine([0.3, -0.4, folded, 0.2, -1.0, 0.5])) == 0.0
+
+
+@for_each("joint3", [-0.1, 0.06, 1.2])
+def test_a_stretched_calibrated_arm_is_reached_where_its_lengths_alone_are_too_short(
+    joint3: float,
+) -> None:
+    random = np.random.default_rng(5)
+    for _ in range(8):
+        columns = random.normal(0.0, 1e-3, (4, 6)).tolist()
+        corrections = DhCorrections(*map(tuple, columns))
+        known = dataclasses.replace(FIVE, geometry=FIVE.geometry._replace(corrections=corrections))
+        q = np.array([0.4, 0.3, joint3, 0.5, 0.8, 0.9])
+        np.testing.assert_allclose(known.ikine(known.fkine(q), q), q, atol=1e-9)
 
 
 def test_a_solution_that_is_a_little_off_is_improved_alone_and_with_others() -> None:
