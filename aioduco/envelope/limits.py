@@ -382,8 +382,11 @@ class Envelope:
                     continue  # only the state shows forces
             rows.append(row)
         x, y, z, *angles = map(float, tool)
+        geometry = self.arm.geometry
+        own = geometry.corrections
         return {
-            "geometry": list(self.arm.geometry.lengths),
+            "geometry": list(geometry.lengths),
+            "corrections": None if own is None else [list(column) for column in own],
             "lower": list(self.arm.lower),
             "upper": list(self.arm.upper),
             "tool": [*_rotation(*angles), x, y, z],

@@ -152,7 +152,8 @@ def _corrected(geometry: Geometry, flange: Array, q6: Array | float) -> Array:
     offsets = np.array(geometry.corrections.theta if geometry.corrections else (0.0,) * 6)
     near = _of_lengths(geometry, flange, q6 + offsets[5], near=True) - offsets
     goal = flange[..., None, :, :]
-    found, tried = near, ~np.isnan(near).any(axis=-1)
+    found: Array = near
+    tried = ~np.isnan(near).any(axis=-1)
     for _ in range(_CORRECTINGS):
         found = refine(geometry, found, goal)
         with np.errstate(invalid="ignore"):

@@ -24,7 +24,7 @@ from aioduco.envelope import (
 from aioduco.envelope.checker import EnvelopeChecker
 from aioduco.envelope.ways import Start, check_way, way_of
 from aioduco.errors import ParameterError
-from aioduco.kinematics import arm
+from aioduco.kinematics import Arm, DhCorrections, arm
 from aioduco.kinematics.forward import frames
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.rotation import quaternion_from_matrix
@@ -36,9 +36,11 @@ NONE = Pose(0, 0, 0, 0, 0, 0)
 SPHERE = Zone.sphere((0, 0, 1), 0.2)
 
 
-def checker(*limits: Any, tool: Pose = TOOL, by_tip: bool = False) -> EnvelopeChecker:
+def checker(
+    *limits: Any, tool: Pose = TOOL, by_tip: bool = False, known: Arm = ARM
+) -> EnvelopeChecker:
     """A checker, with what it is told as it passes the process border."""
-    packed = json.loads(json.dumps(Envelope(ARM, *limits).packed(tool)))
+    packed = json.loads(json.dumps(Envelope(known, *limits).packed(tool)))
     return EnvelopeChecker(packed, by_tip=by_tip)
 
 
@@ -46,12 +48,25 @@ def tip_of(matrix: np.ndarray) -> tuple[float, ...]:
     return (*matrix[:3, :3].ravel().tolist(), *matrix[:3, 3].tolist())
 
 
-def test_places_are_those_of_the_kinematics() -> None:
+#: of which the lengths alone have the tip some 20 mm elsewhere
+CALIBRATED = replace(
+    ARM,
+    geometry=ARM.geometry._replace(
+        corrections=DhCorrections(
+            *map(tuple, np.random.default_rng(7).normal(0.0, 0.01, (4, 6)).tolist())
+        )
+    ),
+)
+
+
+@for_each("known", [ARM, CALIBRATED])
+def test_places_are_those_of_the_kinematics(known: Arm) -> None:
     rng = np.random.default_rng(1)
-    by_joints = checker(tool=TOOL)
-    by_tip = checker(Zone.plane((0, 0, -2), (0, 0, 1)), tool=TOOL, by_tip=True)
+    by_joints = checker(tool=TOOL, known=known)
+    below = Zone.plane((0, 0, -2), (0, 0, 1))
+    by_tip = checker(below, tool=TOOL, by_tip=True, known=known)
     for q in rng.uniform(-3, 3, (50, 6)):
-        chain = frames(ARM.geometry, q)
+        chain = frames(known.geometry, q)
         tip = chain[6] @ TOOL.matrix
         wanted = np.array([tip[:3, 3], chain[2][:3, 3], chain[6][:3, 3]])
         np.testing.assert_allclose(by_joints.places(tuple(q.tolist())), wanted, atol=1e-12)
