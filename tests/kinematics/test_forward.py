@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from aioduco.errors import ParameterError
-from aioduco.kinematics import Arm, arm, models
+from aioduco.kinematics import Arm, DhCorrections, arm, models
 from aioduco.kinematics.forward import singular_values
 from aioduco.kinematics.rates import ArmRates
 from aioduco.models.pose import Joints, Pose
@@ -26,6 +26,18 @@ mujoco: Any = importlib.import_module("mujoco")  # compiled, without types
 ANGLE = st.floats(-2 * math.pi, 2 * math.pi).map(lambda angle: round(angle, 12))
 JOINTS = st.lists(ANGLE, min_size=6, max_size=6).map(np.array)
 ARMS = [arm(model) for model in models()]
+
+
+#: as a calibration may find it
+CALIBRATED = replace(
+    ARMS[1],
+    name="calibrated",
+    geometry=ARMS[1].geometry._replace(
+        corrections=DhCorrections(
+            *map(tuple, np.random.default_rng(7).normal(0.0, 0.01, (4, 6)).tolist())
+        )
+    ),
+)
 
 
 @pytest.fixture(params=ARMS, ids=lambda each: each.name)
@@ -198,6 +210,7 @@ def test_joints_of_another_number_are_refused() -> None:
         arm("gcr5_910").fkine(np.zeros(7))
 
 
+@for_each("any_arm", [*ARMS, CALIBRATED])
 def test_rates_in_plain_floats_are_those_of_the_matrices(any_arm: Arm) -> None:
     speeds = np.random.default_rng(2).uniform(-3, 3, (50, 6))
     for q, qd in zip(configurations(), speeds, strict=True):
