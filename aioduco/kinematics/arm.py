@@ -10,7 +10,7 @@ import numpy as np
 
 from aioduco.errors import Described, ParameterError, Unreachable
 from aioduco.kinematics import forward, inverse, single
-from aioduco.kinematics.geometry import Geometry
+from aioduco.kinematics.geometry import DhCorrections, Geometry
 from aioduco.models import bounds, ranges
 from aioduco.models.numpy_on_use import is_number, number_array
 from aioduco.models.pose import JointsLike, Pose, PoseLike
@@ -260,7 +260,12 @@ def _geometry(name: str, value: Any) -> Geometry:
     lengths: dict[str, Any] = {
         each: _ANY(each, length) for each, length in zip(value._fields, value.lengths, strict=False)
     }
-    return value._replace(**lengths)
+    own = value.corrections
+    if own is not None:
+        if not isinstance(own, DhCorrections):
+            raise ParameterError(f"{name}.corrections", own, "DhCorrections, or None")
+        own = DhCorrections(*map(_tuple(Vector(_ANY, length=6)), own._fields, own))
+    return value._replace(**lengths, corrections=own)
 
 
 def _centres(name: str, value: Any) -> tuple[tuple[float, ...], ...]:

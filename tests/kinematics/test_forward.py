@@ -50,6 +50,14 @@ def configurations(count: int = 50) -> Array:
     return np.random.default_rng(1).uniform(-2 * np.pi, 2 * np.pi, (count, 6))
 
 
+NO_CORRECTIONS: list[Any] = [
+    3,
+    ((0.0,) * 6,) * 4,
+    DhCorrections(a=(0.0,) * 5),
+    DhCorrections(theta=(math.nan,) * 6),
+]
+
+
 @for_each(
     "name, wrong",
     [
@@ -60,6 +68,7 @@ def configurations(count: int = 50) -> Array:
         ("lower", [(7.0,) * 6, (0.0,) * 5]),
         ("upper", [(-7.0,) * 6, (10**400,) * 6]),
         ("geometry", [3, ARMS[0].geometry._replace(d1=math.nan), (1.0,) * 6]),
+        ("geometry", [ARMS[0].geometry._replace(corrections=each) for each in NO_CORRECTIONS]),
         ("name", [3, ""]),
     ],
 )
@@ -76,6 +85,10 @@ def test_numbers_of_ones_own_may_come_in_lists() -> None:
         "centres": np.zeros((7, 3)).tolist(),
     }
     own = replace(ARMS[0], **given)
+    columns: Any = [[0.001] * 6] * 4
+    lists = DhCorrections(*columns)
+    calibrated = replace(own, geometry=own.geometry._replace(corrections=lists))
+    assert np.isfinite(calibrated.fkine([0.0] * 6)).all()
     assert (own.velocity, own.upper) == ((1.0,) * 6, (3.0,) * 6)
     assert hash(own) != hash(ARMS[0])
     assert own == replace(own)
