@@ -4,6 +4,8 @@ Guarantees:
 - One request at a time: a second caller waits until the first request was answered or has failed.
 - The answer to an earlier request is not taken for the answer to this one: one that was cancelled
   is waited for until its time-out is over, and old bytes in the controller's buffer are discarded.
+  A read's answer that comes after its time-out is not told from that of the next read of as many
+  registers: nothing in it says which ones it has.
 - A request is never sent twice.
 """
 
@@ -92,7 +94,8 @@ class ModbusRtu(Uncopied):
     Args:
         port: the port to which the device is connected.
         unit: number of the device, 1 to 247.
-        timeout: seconds within which it must answer, not including the emptying of the buffer.
+        timeout: seconds within which it must answer, not including the emptying of the buffer. Not
+            less than the device needs: a later answer could be taken for that of the next read.
         poll: seconds between two polls for the answer.
 
     Raises:
