@@ -59,7 +59,7 @@ def panel(
         listen: Port of the page and its picture. 0: any.
         bind: Address of the page. 0.0.0.0: the whole network may watch, and stop the arm.
         watch_only: Pages can only watch, and stop the arm.
-        model: Arm to draw. Default: the one that the controller reports.
+        model: Arm to draw. Default: the one that the controller reports, or else the cell's.
         rate: States per second.
         hold_limit: Seconds until a button of a page that is silent or late counts as released.
         manual: How the controller understands + and - of jogs; its version says it.

@@ -89,6 +89,7 @@ if TYPE_CHECKING:
     from aioduco.integrations.panel.arm_scene import ArmScene
     from aioduco.integrations.panel.control_lease import LeaseEffect
     from aioduco.integrations.panel.page_requests import HoldMotion, PageRequest
+    from aioduco.kinematics import Arm
     from aioduco.planning import Scene
     from aioduco.sim.twin import Twin, TwinLimits
 
@@ -109,7 +110,7 @@ _SILENT: Final = 1.0
 _OF_COMMANDER: Final = (events.EnvelopeLeft, events.EnvelopeUnwatched, events.HeartbeatChanged)
 #: number of stops that are sent or confirmed at a time; further ones are joined
 _MOST_STOPS: Final = 4
-#: model that is drawn if the controller does not report a known one
+#: model that is drawn if neither the controller nor a scene or an envelope says which one it is
 _DRAWN_AS: Final = "gcr5_910"
 #: function of the robot that errors name -> the page's button for it
 _BUTTONS: Final = {
@@ -151,7 +152,7 @@ class Panel(Uncopied):
             command.
         name: name of the robot on the page; empty for its address.
         model: the arm that is drawn, such as "gcr5_910"; None for the one that the controller
-            reports.
+            reports, or that of the scene or the envelope if it reports none.
         scene: objects around the arm, to be drawn; None for nothing.
         envelope: limits within which the panel keeps the arm; its zones are drawn. None for none.
         simulator_port: a simulator's port for commands, on this computer; None for none.
@@ -199,8 +200,6 @@ class Panel(Uncopied):
         page_limit = Number(0.5, 600.0, "s", source="this package")("page_limit", page_limit)
         if directions is not None and not isinstance(directions, JogDirections):
             raise ParameterError("directions", directions, "a member of JogDirections, or None")
-        if model is not None:
-            arm_of(model)
         self.token: str = secrets.token_urlsafe(18) if token is None else token
         self.twin: Twin | None = None
         self.rate = rate
@@ -225,7 +224,7 @@ class Panel(Uncopied):
         self._observer.feed.forces = True
         self._commander: Robot | None = None
         self._scene: ArmScene | None = None
-        self._arm = arm_of(model or _DRAWN_AS)
+        self._arm = _arm_shown(model, scene, envelope)
         self._measured = Measurement(self._arm, "floor" if scene is None else scene.mounting)
         self._all: TaskGroup | None = None
         self._work: TaskGroup | None = None
@@ -318,7 +317,7 @@ class Panel(Uncopied):
             self._arm = self._measured.arm = found
         elif self._model is None:
             self._note(
-                f"the controller tells no arm that is known: drawn as {_DRAWN_AS}", "warning"
+                f"the controller tells no arm that is known: drawn as {self._arm.name}", "warning"
             )
         if self._simulator_port is not None:
             try:
@@ -712,6 +711,15 @@ class Panel(Uncopied):
                 "late": None if sample is None else history_point(self._told)[-1],
             }
         )
+
+
+def _arm_shown(model: str | None, scene: Scene | None, envelope: Envelope | None) -> Arm:
+    """The arm to draw unless the controller reports one."""
+    if model is None:
+        for around in (scene, envelope):
+            if around is not None:
+                return around.arm
+    return arm_of(model or _DRAWN_AS)
 
 
 async def _asked(ask: Callable[[], Awaitable[Any]]) -> Any:

@@ -18,6 +18,7 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import InvalidStatus
 
 import aioduco
+from aioduco.envelope import Envelope, JointMargin
 from aioduco.errors import ConnectError, ParameterError, RobotStateError
 from aioduco.integrations.panel import Panel
 from aioduco.sim import Simulator
@@ -307,6 +308,18 @@ async def test_what_is_measured_is_told_to_every_page(bench: Bench) -> None:
                 lambda: any("touch the point" in line["text"] for line in watcher.all("event"))
             )
         assert bench.received("set_tool_data") == ()
+
+
+async def test_the_arm_of_the_envelope_is_shown_where_the_controller_tells_none(
+    bench: Bench,
+) -> None:
+    """It was shown as a GCR5-910, with the limits of its joints."""
+    limits = Envelope("gcr3_618", JointMargin(0.1))
+    async with (
+        Panel(bench.host, bench.port, **PATIENT | {"model": None}, envelope=limits) as panel,
+        page_of(panel) as page,
+    ):
+        assert page.all("hello")[0]["model"] == "gcr3_618"
 
 
 async def test_wrong_arguments_and_no_controller() -> None:
