@@ -48,6 +48,8 @@ JOG_TIME: Final = 1.0
 #: time for which an arm may swing after the end of its motion, and interval of the polls [s]
 _SETTLING: Final = 0.5
 _ASK_AGAIN: Final = 0.02
+#: how often a read must add to the error list to count as failed
+_LOOKS: Final = 2
 
 
 def _finished(answer: int) -> bool:
@@ -308,8 +310,9 @@ class Section(Uncopied, ManualNames):
     ) -> T:
         """Read a value that the wire answers with zero or nothing if it cannot be read.
 
-        Zero or nothing may also be the true value. So the value is read once more: if that adds an
-        entry to the controller's error list, the read has failed, and the entry says why.
+        Zero or nothing may also be the true value. So the value is read again: if that adds an
+        entry to the controller's error list each time, the read has failed, and the entry says why.
+        An entry that comes once is one of something else that happened meanwhile.
 
         Args:
             call: the call.
@@ -319,17 +322,19 @@ class Section(Uncopied, ManualNames):
         Raises:
             Refused: the value could not be read.
         """
-        answer = await self._rpc.send(call)
-        if not nothing(answer):
-            return answer
-        before = await self._rpc.get_last_error()
-        answer = await self._rpc.send(call)
-        if nothing(answer):
+        answer, why = await self._rpc.send(call), ""
+        for _ in range(_LOOKS):
+            if not nothing(answer):
+                return answer
+            before = await self._rpc.get_last_error()
+            answer = await self._rpc.send(call)
             after = await self._rpc.get_last_error()
+            why = "; ".join(new_errors(before, after, call.name, name))
+            if not why:
+                return answer
             self._follower.have_told(after)
-            why = new_errors(before, after, call.name, name)
-            if why:
-                raise Refused(call.name, answer, "; ".join(why))
+        if nothing(answer):
+            raise Refused(call.name, answer, why)
         return answer
 
     async def _check_standstill(self, function: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import pytest
@@ -170,6 +171,21 @@ async def test_a_variable_that_goes_with_its_project_is_missed(
     desk.fails("get_system_value_double", 0.0, "get_system_value_double: there is no 'count'")
     with pytest.raises(aioduco.Refused, match="there is no 'count'"):
         await robot.registers.get_system_value_double("count")
+
+
+async def test_an_error_of_something_else_does_not_refuse_a_read(
+    robot: aioduco.Robot, desk: Desk
+) -> None:
+    """A true 0 was refused, by the words of a collision that came while it was read."""
+    reads = itertools.count(1)
+
+    def read(_: str) -> float:
+        if next(reads) == 2:
+            desk.errors = [*desk.errors, "Joint 4 检测到碰撞"]
+        return 0.0
+
+    desk.answer("get_system_value_double", read)
+    assert await robot.registers.get_system_value_double("count") == 0.0
 
 
 async def test_a_recording_that_does_not_begin(robot: aioduco.Robot, desk: Desk) -> None:
