@@ -5,11 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from aioduco._wire.rpc import calls
-from aioduco.api.section import Section, new_errors
+from aioduco.api.section import LOOKS, Section, new_errors
 from aioduco.errors import ParameterError, Refused
 from aioduco.models import ranges
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from aioduco.models.rules import Whole, WholesLike
 
 
@@ -77,11 +79,15 @@ class Modbus(Section):
         """
         name_ = ranges.LONG_NAME("signal_name", signal_name)
         frequency_ = ranges.MODBUS_FREQUENCY("frequency", frequency)
-        before = await self._rpc.get_last_error()
-        await self._rpc.modbus_set_frequency(name_, frequency_)
-        why = new_errors(before, await self._rpc.get_last_error(), "modbus_set_frequency", name_)
-        if why:
-            raise Refused("modbus_set_frequency", None, "; ".join(why))
+        why: Sequence[str] = ()
+        for _ in range(LOOKS):
+            before = await self._rpc.get_last_error()
+            await self._rpc.modbus_set_frequency(name_, frequency_)
+            after = await self._rpc.get_last_error()
+            why = new_errors(before, after, "modbus_set_frequency", name_)
+            if not why:
+                return
+        raise Refused("modbus_set_frequency", None, "; ".join(why))
 
     async def modbus_write_multiple_regs(
         self, slave_num: Whole, name: str, word_list: WholesLike

@@ -48,8 +48,9 @@ JOG_TIME: Final = 1.0
 #: time for which an arm may swing after the end of its motion, and interval of the polls [s]
 _SETTLING: Final = 0.5
 _ASK_AGAIN: Final = 0.02
-#: how often a read must add to the error list to count as failed
-_LOOKS: Final = 2
+#: how often a call must add to the error list to count as failed, if only the list tells; what is
+#: added once may be of something else that happened meanwhile
+LOOKS: Final = 2
 
 
 def _finished(answer: int) -> bool:
@@ -312,7 +313,6 @@ class Section(Uncopied, ManualNames):
 
         Zero or nothing may also be the true value. So the value is read again: if that adds an
         entry to the controller's error list each time, the read has failed, and the entry says why.
-        An entry that comes once is one of something else that happened meanwhile.
 
         Args:
             call: the call.
@@ -323,7 +323,7 @@ class Section(Uncopied, ManualNames):
             Refused: the value could not be read.
         """
         answer, why = await self._rpc.send(call), ""
-        for _ in range(_LOOKS):
+        for _ in range(LOOKS):
             if not nothing(answer):
                 return answer
             before = await self._rpc.get_last_error()

@@ -6,6 +6,7 @@ import itertools
 import math
 
 import pytest
+from for_each import for_each
 
 import aioduco
 from aioduco import Joints, Load, Pose
@@ -173,19 +174,26 @@ async def test_a_variable_that_goes_with_its_project_is_missed(
         await robot.registers.get_system_value_double("count")
 
 
-async def test_an_error_of_something_else_does_not_refuse_a_read(
-    robot: aioduco.Robot, desk: Desk
+@for_each(
+    "section, name, args, when",
+    [
+        ("registers", "get_system_value_double", ("count",), 2),
+        ("modbus", "modbus_set_frequency", ("pump", 20), 1),
+    ],
+)
+async def test_an_error_of_something_else_refuses_nothing(
+    robot: aioduco.Robot, desk: Desk, section: str, name: str, args: tuple[object, ...], when: int
 ) -> None:
-    """A true 0 was refused, by the words of a collision that came while it was read."""
-    reads = itertools.count(1)
+    """A call that only the error list tells of was refused by the words of a collision."""
+    count = itertools.count(1)
 
-    def read(_: str) -> float:
-        if next(reads) == 2:
+    def call(*_: object) -> float:
+        if next(count) == when:
             desk.errors = [*desk.errors, "Joint 4 检测到碰撞"]
         return 0.0
 
-    desk.answer("get_system_value_double", read)
-    assert await robot.registers.get_system_value_double("count") == 0.0
+    desk.answer(name, call)
+    await getattr(getattr(robot, section), name)(*args)
 
 
 async def test_a_recording_that_does_not_begin(robot: aioduco.Robot, desk: Desk) -> None:
