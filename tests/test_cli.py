@@ -480,6 +480,24 @@ def test_a_call_that_moves_nothing_sends_no_heartbeat(words: str, beats: bool) -
         assert bool(bench.received("rpc_heartbeat")) == beats
 
 
+@for_each(
+    "words, function, answer, shown",
+    [
+        ("set_tool_digital_out 1 True", "set_tool_digital_out", 4, "null"),  # as --describe has it
+        ("tool_read_raw_data_485 2", "tool_read_raw_data_485", [1, -1], "[1, 255]"),
+    ],
+)
+def test_values_are_taken_and_shown_as_they_are_meant(
+    words: str, function: str, answer: Any, shown: str
+) -> None:
+    with Bench() as bench:
+        bench.answer(function, answer)
+        at = f"{bench.host}:{bench.port}"
+        done = run("call", *words.split(), "--yes", "--json", "--host", at)
+        assert done.exit_code == 0, done.output
+        assert done.stdout.strip() == shown
+
+
 def test_every_function_of_the_robot_can_be_called_by_its_name() -> None:
     """The command, the page of functions and the objects agree."""
     page = (Path(__file__).parents[1] / "docs" / "functions.md").read_text("utf-8")

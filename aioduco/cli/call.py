@@ -27,6 +27,8 @@ _INSTEAD: Final = {
 }
 #: function that moves the arm, besides those that can be started as tasks
 _MOVES: Final = "robot.motion.replay"
+#: words that a signature shows, which JSON writes otherwise
+_PYTHON: Final = {"True": True, "False": False, "None": None}
 
 
 def _functions(incomplete: str) -> list[str]:
@@ -136,7 +138,9 @@ def _arguments(words: list[str]) -> tuple[list[Any], dict[str, Any]]:
 
 
 def _value(word: str) -> Any:
-    """Value of a word: parsed as JSON, or the word itself."""
+    """Value of a word: parsed as JSON, or the word itself; True, False and None are Python's."""
+    if word in _PYTHON:
+        return _PYTHON[word]
     try:
         return json_module.loads(word)
     except ValueError:

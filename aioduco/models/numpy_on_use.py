@@ -63,7 +63,7 @@ def json_value(value: Any, *, recorded: bool = False) -> Any:
     Args:
         value: the value.
         recorded: whether it is as in a recording, where named tuples have the names of their fields
-            and bytes are hexadecimal digits.
+            and bytes are hexadecimal digits, not numbers.
     """
     if isinstance(value, enum.Enum):
         return value.name
@@ -81,10 +81,10 @@ def _json_parts(value: Any, recorded: bool) -> Any:
         value = named()
     if isinstance(value, dict):
         return {str(key): json_value(each, recorded=recorded) for key, each in value.items()}
-    if isinstance(value, list | tuple | set | frozenset):
-        return [json_value(each, recorded=recorded) for each in value]
     if recorded and isinstance(value, bytes | bytearray):
         return value.hex()
+    if isinstance(value, list | tuple | set | frozenset | bytes | bytearray):
+        return [json_value(each, recorded=recorded) for each in value]
     listed = getattr(value, "tolist", None)
     return str(value) if listed is None else json_value(listed())
 
