@@ -251,6 +251,7 @@ def test_a_misspelt_robot_is_not_taken_for_a_host(no_robots: Path) -> None:
 @pytest.mark.slow
 def test_a_misspelt_function_or_arm_is_answered_with_the_nearest() -> None:
     assert "did you mean 'get_tcp_pose'" in told(run("call", "get_tcp_pos", "--describe"))
+    assert "--host gives the arm's address" in told(run("call", "192.168.1.10", "get_tcp_pose"))
     assert "did you mean 'gcr5_910'" in told(run("sim", "--model", "gcr5_901"))
 
 

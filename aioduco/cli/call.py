@@ -78,6 +78,8 @@ def call(
     if name in _INSTEAD and not (describe and where):
         raise typer.BadParameter(f"{name} is not called here: {_INSTEAD[name]}")
     if where is None:
+        if {".", ":"} & set(name):
+            raise typer.BadParameter(f"{name} is no function; --host gives the arm's address")
         raise typer.BadParameter(
             f"no function of the robot is called {name}; docs/functions.md lists all of them"
             f"{did_you_mean(name, _functions(''))}"
