@@ -254,7 +254,7 @@ class SimulationRuntime(PlantChanges):
         `MotionQueue.read_ahead`.
 
         Raises:
-            Refusal: The simulation ended or failed before the task ended.
+            Refusal: The simulation ended before the task, or failed (`SimulationFailed`).
             Pending: The call comes from a program, which the controller itself continues.
         """
         if self._within:
@@ -268,6 +268,7 @@ class SimulationRuntime(PlantChanges):
         if not self._closing:  # checked after the registration: `release` sets the flag first
             ended.wait()
         if not (state := tasks.answer(id_)).ended:
+            self.check()
             raise Refusal("the simulation ended before the task")
         return state
 
