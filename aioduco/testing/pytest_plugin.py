@@ -83,7 +83,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         help="run tests of robots on this arm instead of a simulated one: it will move",
     )
     group.addoption(
-        "--duco-model", metavar="NAME", help="which arm that is, for tests marked by duco_model"
+        "--duco-model", metavar="NAME", help="which arm that is, for tests that name a model"
     )
     group.addoption(
         "--duco-host-speed",
@@ -260,8 +260,11 @@ class _Line:
             if faults or "duco_proxy" in request.fixturenames:
                 pytest.skip("it puts faults on the wire, which is not done to an arm")
             model = _marked(request, "duco_model")
-            if model not in (None, config.getoption("duco_model")):
-                pytest.skip(f"it needs a {model}; --duco-model says which arm is there")
+            if model is None:
+                model = request.getfixturevalue("duco_simulator_options").get("model")
+            name: str | None = getattr(model, "name", model)  # an `Arm` has one
+            if name not in (None, config.getoption("duco_model")):
+                pytest.skip(f"it needs a {name}; --duco-model says which arm is there")
             (self.host, self.port), self.clock = _address(address), None
         else:
             simulator: Simulator = request.getfixturevalue("duco_simulator")

@@ -153,6 +153,15 @@ async def test_bad(duco_robot):
 @pytest.mark.duco_model("gcr20_1100")
 def test_another_arm(duco_sync_robot):
     duco_sync_robot.motion.movej2(HOME, v=1.0, a=2.0)
+
+
+class TestByOptions:
+    @pytest.fixture
+    def duco_simulator_options(self):
+        return {"model": "gcr20_1100", "speed": float("inf")}
+
+    def test_another_arm(self, duco_sync_robot):
+        duco_sync_robot.motion.movej2(HOME, v=1.0, a=2.0)
 """
 
 
@@ -169,7 +178,7 @@ def run_program(folder: Path, *options: str) -> tuple[int, str]:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("options", "counted"),
-    [((), "1 failed, 4 passed"), (("-n", "1", "-k", "bad"), "1 failed")],
+    [((), "1 failed, 5 passed"), (("-n", "1", "-k", "bad"), "1 failed")],
     ids=["alone", "spread"],
 )
 def test_a_failed_test_leaves_what_is_known_of_its_arm(
@@ -207,7 +216,7 @@ def test_on_an_arm_tests_are_slow_and_those_that_would_fault_it_are_skipped(tmp_
         address = f"{sim.host}:{sim.port}"
         options = ("--duco-host", address, "--duco-host-speed", "55", "--duco-model", "gcr5_910")
         status, said = run_program(tmp_path, *options)
-        assert (status, "2 passed, 3 skipped" in said) == (0, True), said
+        assert (status, "2 passed, 4 skipped" in said) == (0, True), said
         assert f"the arm at {address} will move, at 55 % of its speed" in said
         for reason in ("needs the simulated arm", "faults on the wire", "needs a gcr20_1100"):
             assert reason in said
