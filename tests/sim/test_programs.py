@@ -11,8 +11,9 @@ from typing import Any
 import pytest
 from for_each import for_each
 
+from aioduco._wire import idl
 from aioduco.models.enums import ProgramState, TaskState
-from aioduco.sim.cabinet.script import ProgramError, read
+from aioduco.sim.cabinet.script import BLENDING, ProgramError, read
 from aioduco.sim.controller.programs import ProgramRun
 from aioduco.sim.controller.tasks import TaskTable
 from aioduco.sim.refusal import Pending
@@ -108,6 +109,17 @@ def test_a_program_runs_to_its_end(cell: Simulator, program: Program) -> None:
     assert cell.get_digital_output(3)
     assert program.get_robot_state() == [6, 0, 5, 1]
     assert program.get_last_error() == []
+
+
+def test_each_motion_with_a_blend_radius_is_read_ahead() -> None:
+    """The radius of a spiral is that of its end."""
+    radii = {"r", "rad"}
+    moves = {
+        name
+        for name, function in idl.functions().items()
+        if "op" in function.parameters and radii & set(function.parameters)
+    }
+    assert moves - {"move_spiral"} == BLENDING
 
 
 @pytest.mark.slow

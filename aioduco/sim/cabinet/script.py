@@ -44,6 +44,7 @@ BLENDING = frozenset(
         *("movej", "movej2", "movej_pose", "movej_pose2", "movel", "movec", "move_circle"),
         *("tcp_move", "tcp_move_2p", "wobj_move", "wobj_move_2p", "spline", "spline_op"),
         *("movej2_eaxis", "movej2_pose_eaxis", "movel_eaxis", "movec_eaxis"),
+        "move_circle_eaxis",
     }
 )
 
