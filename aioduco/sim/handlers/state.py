@@ -247,7 +247,7 @@ class StateHandlers(HandlerSection):
         return TipMotion(pose, turned(tip.speed), turned(tip.acceleration))
 
     def _flange(self) -> TipMotion:
-        now = self._runtime.snapshot
+        now = self._snapshot
         return tip_motion(self._arm.geometry, now.q, now.qd, now.qdd, np.eye(4))
 
 
