@@ -143,11 +143,14 @@ class World:
         self._others: Array = data.qvel[6:]
         self._target = self._torque = self._external = np.zeros(6)
         self._flange = self.model.site("flange").id
+        self._last_link = self.model.body("flange").id
         self._root = self.model.body("base").id
         self._turn = self.mounting.matrix[:3, :3]
         self._base = self.mounting.inverse().matrix
         self._braked = False
         self._dry: Array = np.zeros(6)
+        #: force and torque on the flange along the world's axes, shape (2, 3); None for no push
+        self._push: Array | None = None
         self.reset(np.zeros(6) if q is None else q)
 
     def reset(self, q: Array) -> None:
@@ -157,6 +160,7 @@ class World:
             self._drives.reset()
         if self.hand is not None:
             self.hand.reset()
+        self._push = None
         self._q[:] = q
         self._ctrl[:] = q
         self._target = self._torque = self._external = np.zeros(6)
@@ -198,6 +202,8 @@ class World:
         data, began = self.data, self.data.time
         if self.hand is not None:
             self.hand.step(self._timestep)
+        if self._push is not None:
+            self._apply(self._push)
         if self._braked:
             # The brakes carry the weight, up to their torque: MuJoCo's friction would creep.
             np.clip(self._bias, -self._hold, self._hold, out=self._applied)
@@ -257,7 +263,15 @@ class World:
             wrench: force [N], then torque [N m], in the base frame, at the flange; zeros to end.
         """
         turned = np.reshape(wrench, (2, 3)) @ self._turn.T
-        self.data.xfrc_applied[self.model.body("flange").id] = turned.ravel()
+        self._push = turned if any(wrench) else None
+        self.data.xfrc_applied[self._last_link] = 0.0
+
+    def _apply(self, push: Array) -> None:
+        """Apply a push where MuJoCo takes forces: at the centre of mass of link and load."""
+        data, link = self.data, self._last_link
+        lever = data.site_xpos[self._flange] - data.xipos[link]
+        data.xfrc_applied[link, :3] = push[0]
+        data.xfrc_applied[link, 3:] = push[1] + np.cross(lever, push[0])
 
     def drag(self, dry: Sequence[float], viscous: Sequence[float]) -> None:
         """Set what drags at the joints, which the servos' model does not include.
