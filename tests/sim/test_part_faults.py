@@ -150,6 +150,17 @@ def test_two_stuck_parts_come_together(cell: Cell) -> None:
         parts.weld_of("part", "part")
 
 
+def test_a_part_that_is_put_somewhere_sticks_as_it_lies_there(cell: Cell) -> None:
+    parts = cell.world.parts
+    there = cell.where("other").pose.shifted(z=0.06)
+    parts.put("part", there)
+    parts.stick(parts.weld_of("part", "other"), stuck=True)
+    cell.run(0.2)
+    found, below = cell.where("part").pose, cell.where("other").pose
+    assert found[:3] == pytest.approx(there[:3], abs=5e-3)
+    assert below[:2] == pytest.approx(there[:2], abs=5e-3)
+
+
 @pytest.mark.slow
 def test_a_heavier_part_weighs_more(cell: Cell) -> None:
     cell.world.parts.set_mass("part", 2.3)

@@ -182,6 +182,8 @@ class Parts:
             stuck: whether they stick.
         """
         model, data = self._model, self._data
+        # After a step, and after `put`, the frames are those of before.
+        mujoco.mj_kinematics(model, data)
         first, second = int(model.eq_obj1id[weld]), int(model.eq_obj2id[weld])
         turns = [data.xmat[body].reshape(3, 3) for body in (first, second)]
         model.eq_data[weld, :3] = 0.0
