@@ -189,8 +189,10 @@ def test_system_values_are_finite_and_of_one_type() -> None:
             values.define("wrong", no_value)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="empty"):
         values.define("", 1.0)
-    with pytest.raises(UndefinedValue, match="a list of lists, not a list"):
-        values.numbers("rows")
+    for refused in (lambda: values.numbers("rows"), lambda: values.set("rows", [2.0])):
+        with pytest.raises(UndefinedValue, match="a list of lists, not a list"):
+            refused()
+    assert values.lists("rows") == [[1.0]]
     with pytest.raises(UndefinedValue, match="a list, not a list of lists"):
         values.lists("numbers")
     assert values.get("number", float) == 1.0

@@ -67,6 +67,9 @@ class SystemValues:
         """
         stored = _stored(value)
         _checked(name, self._values.get(name), type(stored))
+        if isinstance(stored, list):
+            nested = any(isinstance(row, list) for row in stored)
+            (self.lists if nested else self.numbers)(name)
         self._values[name] = stored
 
     def lists(self, name: str) -> list[list[float]]:
