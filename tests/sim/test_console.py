@@ -23,7 +23,7 @@ from aioduco.sim.planner.path import JointSetPoint
 from aioduco.sim.server.line_server import LineServer
 from aioduco.sim.simulator import READY, Simulator
 
-from .conftest import Connect, Program
+from .conftest import Connect, Program, standing_time
 
 
 def test_an_input_follows_its_output_after_a_time() -> None:
@@ -77,6 +77,17 @@ def test_a_gripper_tells_when_it_has_closed(connect: Connect) -> None:
         sim.wait_until(lambda: robot.get_standard_digital_in(3), 60.0)
         assert round((sim.time - began) * 1000) >= 500
         assert not robot.get_standard_digital_in(4)
+
+
+def test_a_rule_goes_before_the_gripper_that_is_wired_to_the_input(connect: Connect) -> None:
+    with Simulator(speed=math.inf, gripper="parallel") as sim:
+        robot = connect(sim)
+        sim.rule(output=5, input=1)
+        with standing_time(sim):
+            robot.set_standard_digital_out(5, True, True)
+            sim.advance(10)
+            assert robot.get_standard_digital_in(1)
+            assert robot.get_standard_digital_in(2)  # without a rule: the fingers are open
 
 
 # -- in words ------------------------------------------------------------------------------------

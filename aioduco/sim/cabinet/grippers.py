@@ -218,8 +218,8 @@ class ValveGripper:
         self._given: tuple[bool, bool] | None = None
         self._order = 0
 
-    def tick(self, time: float, signals: Signals) -> None:
-        """Run one cycle of the controller, at a time [s]."""
+    def tick(self, time: float, signals: Signals) -> dict[int, bool]:
+        """Run one cycle of the controller, at a time [s]; give the states of its inputs."""
         model = self._fingers.gripper
         closing = signals.standard_out.level(self.CLOSE, time)
         blowing = not model.stroke and signals.standard_out.level(self.BLOW_OFF, time)
@@ -232,11 +232,12 @@ class ValveGripper:
             self._given = closing, blowing
         reading = self._fingers.reading
         rests = reading.number == self._order and not reading.moving
-        inputs = signals.standard_in
-        inputs[self.HOLDS] = closing and reading.caught == 1 and reading.number == self._order
+        holds = closing and reading.caught == 1 and reading.number == self._order
+        states = {self.HOLDS: holds}
         if model.stroke:
-            inputs[self.OPENED] = rests and reading.opening > model.stroke - 1e-3
-            inputs[self.SHUT] = rests and reading.opening < 1e-3
+            states[self.OPENED] = rests and reading.opening > model.stroke - 1e-3
+            states[self.SHUT] = rests and reading.opening < 1e-3
+        return states
 
 
 def slave_of(fingers: Fingers) -> RtuSlave | None:

@@ -66,6 +66,7 @@ class SignalRules:
     def __init__(self) -> None:
         self.gripper: ValveGripper | None = None
         self._last: dict[SignalRule, bool | None] = {}
+        self._ruled: set[int] = set()  # numbers of general inputs that have a rule
         self._due: list[tuple[float, SignalRule, bool]] = []
 
     @property
@@ -79,6 +80,9 @@ class SignalRules:
         self._last = {one: on for one, on in self._last.items() if place(one.input) != target}
         self._due = [due for due in self._due if place(due[1].input) != target]
         self._last[rule] = None
+        tool, num = target
+        if not tool:
+            self._ruled.add(num)
 
     def tick(self, time: float, signals: Signals) -> None:
         """Run one cycle.
@@ -90,7 +94,9 @@ class SignalRules:
         if not self._last and self.gripper is None:
             return
         if self.gripper is not None:
-            self.gripper.tick(time, signals)
+            for num, on in self.gripper.tick(time, signals).items():
+                if num not in self._ruled:
+                    signals.standard_in[num] = on
         for rule, before in self._last.items():
             tool, num = place(rule.output)
             outputs: Outputs | Bank[bool] = signals.tool_out if tool else signals.standard_out
