@@ -26,6 +26,8 @@ class PlantChanges:
         self._plant = plant
         self._wake = threading.Event()
         self._changes: deque[Callable[[], object]] = deque()
+        #: what the changes have changed in what the controller knows: for the next readings
+        self._told: list[Callable[[], object]] = []
         self._pushed: bool = False  # whether something pushes the arm
         self._carries: bool = False  # whether `carry` mounts a load
 
@@ -44,13 +46,25 @@ class PlantChanges:
         self._pushed = any(push)
         self.change_world(lambda: self._plant.push(push))
 
-    def load(self, mass: float, centre: Sequence[float]) -> None:
-        """Set a load in the drives [kg, m], and mount it unless `carry` has mounted another."""
+    def load(
+        self,
+        mass: float,
+        centre: Sequence[float],
+        told: Callable[[], object] = lambda: None,
+    ) -> None:
+        """Set a load in the drives, and mount it unless `carry` has mounted another.
+
+        Args:
+            mass: its mass [kg].
+            centre: its centre of mass [m].
+            told: called before the first cycle of the controller whose readings have the load.
+        """
         at = tuple(centre)
 
         def change() -> None:
             mount = self._plant.set_modelled_load if self._carries else self._plant.load
             mount(mass, at)
+            self._told.append(told)
 
         self.change_world(change)
 

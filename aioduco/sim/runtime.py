@@ -592,6 +592,10 @@ class SimulationRuntime(PlantChanges):
             sensed = SensedState(at, now, q, reading.qd, wrench, external, self._touched)
             simulated = controller.simulated
             self._change = object()
+            if self._told:
+                told, self._told = self._told, []
+                for tell in told:
+                    tell()
             self._drive = controller.tick(sensed)
             view = controller.view()
             network = None if controller.halted else view.robot not in _BOOTING

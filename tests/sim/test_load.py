@@ -23,6 +23,24 @@ def settle(sim: Simulator) -> None:
     let_pass(sim, 0.5)
 
 
+@pytest.mark.parametrize("tared", [False, True])
+def test_a_load_that_is_set_is_no_force_in_any_cycle(
+    sim: Simulator, robot: Program, tared: bool
+) -> None:
+    """The sensor felt its weight a cycle later than it knew of it, and was tared in between."""
+    with standing_time(sim):
+        robot.set_load_data([2.0, 0.0, 0.02, 0.05])
+        if tared:
+            robot.fc_force_set_value([True] * 6, [0.0] * 6)
+        for _ in range(20):
+            assert robot.get_tcp_force() == pytest.approx(NOTHING, abs=0.5)
+            sim.advance(1)
+        sim.advance(300)
+        weight = 0.0 if tared else 2.0 * 9.81
+        assert robot.get_tcp_force() == pytest.approx(NOTHING, abs=0.05)
+        assert robot.fc_get_ft()[2] == pytest.approx(weight, abs=0.05)
+
+
 def test_a_push_is_felt_at_the_tip(sim: Simulator, robot: Program) -> None:
     robot.set_tool_data("probe", [0.0, 0.0, 0.2, 0.0, 0.0, math.pi / 2], [0.0] * 4, [0.0] * 6)
     sim.push([5.0, 0.0, -10.0, 0.0, 0.0, 0.0])

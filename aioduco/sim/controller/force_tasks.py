@@ -9,7 +9,7 @@ from aioduco.sim.controller.tasks import MotionPhase, TaskTable
 from aioduco.sim.refusal import illegal
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from aioduco.sim.controller.motion_queue import MotionQueue
     from aioduco.sim.cycle import SensedState
@@ -49,6 +49,8 @@ class ForceTasks:
         self._motion = motion
         self.sensed: SensedState = sensed
         self._closing: list[int] = []
+        self._unfelt = 0  # loads that were set, and that the sensor does not feel yet
+        self._tares: list[tuple[Sequence[bool], Sequence[float]]] = []  # that wait for them
         self._disturbed = False
         self._alarm = ""
 
@@ -91,14 +93,33 @@ class ForceTasks:
 
     def tare(self, direction: Sequence[bool], value: Sequence[float]) -> int:
         """Set the present reading of the sensor (fc_force_set_value)."""
-        control = self.control
-        sensed, turn = self.sensed, control.turn(self.sensed)
-        control.sensor = control.sensor.tared(sensed.wrench, turn, direction, value)
+        self._tares.append((direction, value))
+        self._tare()
         return self._tasks.ended("fc_force_set_value", TaskState.FINISHED)
 
-    def carry(self, mass: float, centre: Sequence[float]) -> None:
-        """Set the load [kg], and its centre in the flange's frame [m]."""
-        self.control.sensor = self.control.sensor.carrying(mass, centre)
+    def _tare(self) -> None:
+        """Set the readings of the sensor, unless it is about to feel another load."""
+        if self._unfelt:
+            return
+        control, sensed = self.control, self.sensed
+        for tare in self._tares:
+            turn = control.turn(sensed)
+            control.sensor = control.sensor.tared(sensed.wrench, turn, *tare)
+        self._tares.clear()
+
+    def carry(self, mass: float, centre: Sequence[float]) -> Callable[[], None]:
+        """Prepare for a load [kg], with its centre in the flange's frame [m].
+
+        Returns:
+            To be called before the first cycle in which the sensor feels the load.
+        """
+        self._unfelt += 1
+
+        def felt() -> None:
+            self._unfelt -= 1
+            self.control.sensor = self.control.sensor.carrying(mass, centre)
+
+        return felt
 
     @property
     def closing(self) -> bool:
@@ -124,6 +145,12 @@ class ForceTasks:
         return None
 
     # -- the cycle ---------------------------------------------------------------------------
+
+    def sense(self, sensed: SensedState) -> None:
+        """Take the measurements of a cycle."""
+        self.sensed = sensed
+        if self._tares:
+            self._tare()
 
     def tick(self, setpoint: JointSetPoint) -> JointSetPoint:
         """Give the drives' set-point for the motions' set-point."""

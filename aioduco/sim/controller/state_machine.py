@@ -521,7 +521,8 @@ class Controller:
         """Run one cycle of the real or simulated arm; idle parts are not called."""
         motion, force, power, time = self.motion, self.force, self.power, sensed.time
         control = force.control
-        self.sensed = force.sensed = sensed
+        self.sensed = sensed
+        force.sense(sensed)
         self._execution.watch(time, motion.phase, self.program_lag)
         if self.heartbeat.lost(sensed.now):
             self._lose_heartbeat()

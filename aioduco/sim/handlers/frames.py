@@ -146,6 +146,6 @@ class FrameHandlers(HandlerSection):
         """
         held = self._cabinet.held
         both = controller.frames.tool().load.with_load(held)
-        controller.force.carry(both.mass, both[1:])
         mass, *centre = held if self._cabinet.tooled else both
-        self._runtime.load(mass, centre)
+        # The sensor knows of a weight from the cycle on in which it feels it.
+        self._runtime.load(mass, centre, controller.force.carry(both.mass, both[1:]))
