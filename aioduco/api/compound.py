@@ -93,9 +93,8 @@ class Compound(Section):
 
         Manual section 1.3.13, which prints its name as enable_combined_motion.
         """
-        self._supervisor.envelope.strays(
-            "enable_combine_motion"
-        )  # before, since its answer may be lost
+        # before it is sent, since its answer may be lost
+        self._supervisor.envelope.strays("enable_combine_motion")
         await self._finish(calls.enable_combine_motion())
 
     async def disable_combine_motion(self) -> None:

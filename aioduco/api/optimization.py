@@ -26,9 +26,8 @@ class Optimization(Section):
 
         Manual section 1.3.11.
         """
-        self._supervisor.envelope.strays(
-            "enable_speed_optimization"
-        )  # before, since its answer may be lost
+        # before it is sent, since its answer may be lost
+        self._supervisor.envelope.strays("enable_speed_optimization")
         await self._finish(calls.enable_speed_optimization())
 
     async def disable_speed_optimization(self) -> None:
@@ -73,9 +72,8 @@ class Optimization(Section):
 
         Manual section 1.3.11.
         """
-        self._supervisor.envelope.strays(
-            "enable_singularity_control"
-        )  # before, since its answer may be lost
+        # before it is sent, since its answer may be lost
+        self._supervisor.envelope.strays("enable_singularity_control")
         await self._finish(calls.enable_singularity_control())
 
     async def disable_singularity_control(self) -> None:

@@ -53,9 +53,7 @@ ROUNDING = 1e-13
 
 _BENT = 0.99  # largest size of a sine or cosine from which a solution is improved
 _REACHES = 1.05  # largest one of a pose that corrections may bring into reach
-_CORRECTINGS = (
-    5  # times two steps that improve a solution of the lengths of an arm with corrections
-)
+_CORRECTINGS = 5  # times two steps that improve a solution of an arm with corrections
 _REACHED = 1e-9  # error of the flange's pose below which such a solution is one [m, rad]
 
 
