@@ -47,6 +47,8 @@ _WATCH_EVERY = 0.05
 #: seconds between two wake-ups of a waiting thread, at which it can take an interrupt on systems
 #: that do not wake it for one
 _WAKE_EVERY = 0.2
+#: errors of one kind during a step, after which the next one is its own, and no signal handler's
+_OFTEN = 100
 #: seconds after the robot was closed for calls to end by themselves
 _GRACE = 1.0
 
@@ -439,7 +441,7 @@ def uninterrupted(step: Callable[[], object]) -> list[BaseException]:
 
     Args:
         step: it is safe to repeat, and goes on where it was. An error of its own, other than these
-            two, is raised if it comes again.
+            two, is raised if it comes again and again: it comes at once.
 
     Returns:
         The interrupts; the caller raises one.
@@ -451,7 +453,7 @@ def uninterrupted(step: Callable[[], object]) -> list[BaseException]:
         except (KeyboardInterrupt, SystemExit) as exc:
             interrupts.append(exc)
         except Exception as exc:
-            if any(isinstance(before, type(exc)) for before in interrupts):
+            if sum(isinstance(before, type(exc)) for before in interrupts) >= _OFTEN:
                 raise
             interrupts.append(exc)
         else:

@@ -14,6 +14,7 @@ from api.desk import Desk
 import aioduco.sync
 from aioduco import Joints, Outcome, StopUnconfirmed
 from aioduco.sync import Robot
+from aioduco.sync._runner import uninterrupted
 from aioduco.testing import eventually
 from sync.conftest import Interrupts, meanwhile, raised_by_ctrl_c
 
@@ -47,7 +48,7 @@ def test_the_arm_stands_before_it_goes_on(
     assert robot.motion.movej2(HOME, v=1.0, a=1.0) is Outcome.FINISHED  # all is well afterwards
 
 
-@pytest.mark.parametrize("kind", [KeyboardInterrupt, SystemExit])
+@pytest.mark.parametrize("kind", [KeyboardInterrupt, SystemExit, LookupError])
 def test_a_second_one_does_not_cut_the_stop_short(
     kind: type[BaseException], robot: Robot, desk: Desk, interrupts: Interrupts
 ) -> None:
@@ -171,3 +172,19 @@ def test_what_a_signal_handler_raises_does_the_same(robot: Robot, desk: Desk) ->
     finally:
         signal.signal(signal.SIGUSR1, before)
     assert not desk.moving()
+
+
+def test_a_signal_handler_that_raises_again_and_again_cuts_no_step_short() -> None:
+    left = [LookupError(number) for number in range(5)]
+
+    def step() -> None:
+        if left:
+            raise left.pop()
+
+    assert len(uninterrupted(step)) == 5
+
+    def fails() -> None:
+        raise ValueError("a defect")
+
+    with pytest.raises(ValueError, match="a defect"):
+        uninterrupted(fails)
