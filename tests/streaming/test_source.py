@@ -88,6 +88,27 @@ def test_set_points_pass_in_order_one_per_tick() -> None:
     assert bench.given == [(value,) * 6 for value in ramp]
 
 
+@pytest.mark.cases(4)
+@pytest.mark.parametrize("way", ["none", "linear", "cubic", "speeds"])
+@pytest.mark.parametrize("ticks", [5 / 3, 6.65, 4.0])
+def test_each_target_has_its_time_also_if_that_is_no_whole_number_of_ticks(
+    way: str, ticks: float
+) -> None:
+    speeds = way == "speeds"
+    bench = Bench(speeds=speeds, way="none" if speeds else way, interval=ticks * PERIOD)
+    bench.fed = [(0.001 * number,) * 6 for number in range(40)]
+    taken: list[int] = []
+    while bench.fed:
+        before = len(bench.fed)
+        bench.step()
+        taken += [len(bench.given) - 1] * (before - len(bench.fed))
+    assert all(abs(tick - number * ticks) < 1 for number, tick in enumerate(taken))
+    if way == "linear":  # at the speed of the targets throughout
+        places = [place[0] for place in bench.given if place is not None]
+        steps = [there - here for here, there in itertools.pairwise(places[2 * taken[1] :])]
+        assert steps == pytest.approx([0.001 / ticks] * len(steps))
+
+
 def test_a_first_set_point_too_far_ends_and_nothing_is_sent() -> None:
     bench = Bench()
     assert bench.step(0.11) is StreamState.ENDED

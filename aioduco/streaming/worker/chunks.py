@@ -134,6 +134,11 @@ class ActionTimeline:
         followed = self._followed
         return not self._coming and (followed is None or self.now >= followed.end)
 
+    @property
+    def met(self) -> bool:
+        """Whether the last action is reached."""
+        return self.ready
+
     def advance(self, clock: float, *, closing: bool = False) -> None:
         """Advance to the next tick.
 

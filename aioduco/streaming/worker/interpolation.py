@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
 
 _ZERO: Displacement = (0.0,) * 6
+_ROUNDING = 1e-9  # of a number of ticks
 
 
 class Linear:
@@ -30,12 +31,23 @@ class Linear:
         self._period = period
         self._from = self._target = self._now = start
         self._way: Displacement = _ZERO
-        self._step = self._steps = 0
+        #: ticks since the target before the last one was due, and until the last one is
+        self._step = self._steps = 0.0
 
     @property
     def ready(self) -> bool:
-        """Whether the time of the last target is over, so that the next one can be taken."""
-        return self._step >= self._steps
+        """Whether the time of the last target is over in this tick: the next one can be taken."""
+        return self._left < 1 - _ROUNDING
+
+    @property
+    def met(self) -> bool:
+        """Whether the last target is reached."""
+        return self._held or self._left <= 0
+
+    @property
+    def _left(self) -> float:
+        """Ticks until the last target is due; negative after it."""
+        return self._steps - self._step
 
     def aim(self, target: Config, interval: float, duration: float) -> None:  # noqa: ARG002
         """Take a new target.
@@ -45,16 +57,17 @@ class Linear:
             interval: time since the target before it [s].
             duration: time in which to reach it [s].
         """
-        self._target = target
-        if not self._held:
-            self._from = self._now
-            self._way = self._space.difference(self._now, target)
-            self._step, self._steps = 0, max(1, round(duration / self._period))
+        before, self._target = self._target, target
+        # A target may be due between two ticks: the time of the next one begins then.
+        rest = max(0.0, self._left) if self.ready else 0.0
+        self._from = before if rest else self._now
+        self._way = self._space.difference(self._from, target)
+        self._step, self._steps = -rest, max(1.0, duration / self._period)
 
     def step(self) -> Config:
         """Advance by one tick and return the arm's desired position."""
         self._step += 1
-        if self._step < self._steps:
+        if self._step < self._steps and not self._held:
             self._now = self._space.moved(self._from, self._at(self._step / self._steps))
         else:
             self._now = self._target
@@ -63,7 +76,7 @@ class Linear:
     def reset(self, config: Config) -> None:
         """Discard the target, and stay at a point."""
         self._target = self._now = config
-        self._step = self._steps = 0
+        self._step = self._steps = 0.0
 
     def _at(self, share: float) -> Displacement:
         return tuple(share * w for w in self._way)
@@ -111,10 +124,10 @@ class Cubic(Linear):
         return self._blend(keep, out, come)
 
     def _rate(self) -> Displacement:
-        """The present velocity of the curve; zero while the arm waits at its end."""
-        if self._step > self._steps:
+        """The velocity of the curve where the next one begins; zero while the arm waits there."""
+        if self._left < -_ROUNDING:
             return _ZERO
-        if self._step == self._steps:
+        if self.ready:
             return self._arriving
         time = self._steps * self._period
         share = self._step / self._steps

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 _ZERO: Displacement = (0.0,) * 6
 _SLACK = 1 + 1e-9  # a trajectory exactly at its limits passes in spite of rounding
+_TICK = 1 - 1e-9  # in spite of rounding
 _MET = 1e-9  # displacement, speed and acceleration up to which the arm counts as at rest
 #: displacement from the target above which a tick counts as limited [rad, m]
 _FAR = 1e-3
@@ -346,8 +347,6 @@ class SpeedGenerator:
         limited: ticks in which the limits kept the speed from its target.
     """
 
-    ready = True
-
     def __init__(
         self,
         space: Space,
@@ -361,6 +360,13 @@ class SpeedGenerator:
         self._target: Displacement = _ZERO
         self.config: Config = _ZERO
         self.limited: int = 0
+        #: ticks until the time of the target is over; negative after it
+        self._left = 0.0
+
+    @property
+    def ready(self) -> bool:
+        """Whether the time of the last target is over in this tick: the next one can be taken."""
+        return self._left < _TICK
 
     @property
     def at_rest(self) -> bool:
@@ -370,6 +376,7 @@ class SpeedGenerator:
     def aim(self, target: Config, interval: float, duration: float) -> None:  # noqa: ARG002
         """Take a new speed, to be reached as soon as the limits allow it."""
         self._target = target
+        self._left = max(0.0, self._left) * self.ready + interval / self._period
 
     def step(self, passed: int = 1) -> Config:
         """Advance, or brake before the envelope; returns the speed.
@@ -378,6 +385,7 @@ class SpeedGenerator:
             passed: number of ticks that each call takes on a slow connection: a speed changes with
                 time, and not with the calls that are possible.
         """
+        self._left -= passed
         config = self._towards(self._target, passed)
         if self._allowed is not None:
             share = self._allowed(config)

@@ -83,13 +83,13 @@ class PositionGenerator:
 
     @property
     def ready(self) -> bool:
-        """Whether the time of the last target is over, so that the next one can be taken."""
+        """Whether the time of the last target is over in this tick: the next one can be taken."""
         return self._reference.ready
 
     @property
     def at_rest(self) -> bool:
         """Whether the last target is met and the set-point is at rest."""
-        return self._reference.ready and self._limiter.at_rest
+        return self._reference.met and self._limiter.at_rest
 
     def aim(self, target: Config, interval: float, duration: float) -> None:
         """Take a new target, to be reached if the limits allow it.
@@ -229,7 +229,7 @@ class SetpointSource(Life):
         elif self.state is StreamState.WAITING:
             if self.closing:
                 self.end(Reason.CLOSED)
-        elif self.closing and generator.ready:
+        elif self.closing and due:
             self._finish(generator)
         else:
             self._wait(generator, passed if due else 1)
