@@ -46,6 +46,9 @@ class Stream(Uncopied):
         options: how its worker runs; None: the defaults.
         sent: what it sends to the controller.
         check: checks a set-point and returns its six numbers.
+
+    Raises:
+        ParameterError: chunks or up-sampling, of set-points for which there is none.
     """
 
     def __init__(
@@ -56,6 +59,11 @@ class Stream(Uncopied):
         sent: StreamSpec,
         check: Callable[[str, VectorLike], list[float]],
     ) -> None:
+        alone = "left out: it is for positions alone"
+        if feeding.chunks and sent.meaning != "place":
+            raise ParameterError("chunks", True, alone)
+        if feeding.upsample != "none" and sent.meaning == "speed":
+            raise ParameterError("upsample", feeding.upsample, alone)
         self._feeding = feeding
         self._sent = sent
         self._space = sent.space

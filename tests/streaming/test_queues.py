@@ -17,6 +17,7 @@ from for_each import for_each
 
 from aioduco._wire.rpc import PointOp, RealTimeControlData
 from aioduco.api.streams.realtime import CYCLE, RealtimeStreams
+from aioduco.api.streams.servo import Servo
 from aioduco.api.streams.track import TrackStreams
 from aioduco.errors import (
     FirstPointTooFar,
@@ -70,6 +71,19 @@ def positions(queue: Cycles) -> Any:
 def test_of_speeds_there_is_no_step_and_no_reach(name: str, mode: str, limit: Any) -> None:
     with pytest.raises(ParameterError, match=f"{name} is .*left out: it is for positions alone"):
         RealtimeStreams(Controller.nowhere()).stream(mode, v=limit, a=limit, **{name: limit})
+
+
+@pytest.mark.parametrize(("name", "given"), [("upsample", "linear"), ("chunks", True)])
+def test_speeds_have_no_upsampling_and_no_chunks(name: str, given: Any) -> None:
+    fed: dict[str, Any] = {"source_rate": 30, "upsample": "cubic", name: given}
+    with pytest.raises(ParameterError, match=f"{name} is .*left out: it is for positions alone"):
+        RealtimeStreams(Controller.nowhere()).stream("twist", v=0.1, a=0.5, **fed)
+
+
+def test_offsets_have_no_chunks() -> None:
+    wrong: Any = {"source_rate": 30, "upsample": "cubic", "chunks": True}
+    with pytest.raises(ParameterError, match=r"chunks is True, .*for positions alone"):
+        Servo(Controller.nowhere()).tcp_offset(v=0.1, a=0.5, **wrong)
 
 
 def test_the_rate_of_the_queue_is_the_controllers() -> None:

@@ -88,7 +88,8 @@ class RealtimeStreams(StreamMaker):
                 or [m, rad].
             options: how the worker runs; None: in a separate process.
             feeding: how the program feeds it: `source_rate`, set-points per second [Hz], by default
-                1000, or measured with `latest`; `latest`, `upsample`, `ahead` as for `robot.servo`;
+                1000, or measured with `latest`; `latest`, `ahead`, and for positions `upsample`, as
+                for `robot.servo`;
                 `hold`, time without a set-point after which the stream ends [s], 0.5 for positions
                 and 0.1 for speeds, which continue for that time.
 
