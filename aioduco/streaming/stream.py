@@ -15,7 +15,7 @@ from aioduco.streaming.sampling import sampled
 from aioduco.streaming.session import Session
 from aioduco.streaming.shared.config import StreamSpec, WorkerConfig
 from aioduco.streaming.shared.options import MOST_ACTIONS, checked, rate_rule
-from aioduco.streaming.shared.space import too_far
+from aioduco.streaming.shared.space import JOINT_SPACE, too_far
 from aioduco.streaming.shared.words import ActionTag, Reason, StreamState
 from aioduco.streaming.ticks import Tick, Ticks
 
@@ -349,7 +349,9 @@ class Stream(Uncopied):
             )
         found: list[tuple[float, ...]] = []
         before = self._last
-        for point in sampled(self._space, trajectory, times, interval).tolist():
+        # speeds are numbers, also those that a pose has in place of angles
+        space = JOINT_SPACE if self._sent.meaning == "speed" else self._space
+        for point in sampled(space, trajectory, times, interval).tolist():
             values = tuple(self._check("trajectory", point))
             self._check_step(values, before)
             before = values

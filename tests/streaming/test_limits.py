@@ -200,6 +200,15 @@ async def test_joint_speeds_carry_the_dead_man_time_and_end_by_speed_stop(
     assert controller.names()[-1] == "speed_stop"
 
 
+async def test_turning_speeds_between_two_times_are_numbers_and_no_orientations() -> None:
+    """As angles they would turn at 3 rad/s the other way round, and slower."""
+    stream = Speed(Controller.nowhere()).linear(a=0.5, latest=False)
+    speeds = [[0.0] * 6, [0.0, 0.0, 0.1, 0.4, 0.5, 3.5]]
+    sampled = np.array(await stream._sampled(speeds, [0.0, 1.0]))
+    assert sampled.shape == (51, 6)
+    np.testing.assert_allclose(sampled, sampled[:, 5:] / 3.5 * np.array(speeds[1]), atol=1e-12)
+
+
 async def test_a_tool_speed_without_a_hand_on_it_ends_at_zero(controller: Controller) -> None:
     opened = Speed(controller.endpoint).linear(a=0.5, dead_man=0.2, hold=0.06, options=THREAD)
     with pytest.raises(StreamStarved):
