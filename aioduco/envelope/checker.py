@@ -101,14 +101,14 @@ class EnvelopeChecker:
         self._needs_joints = self._by_joints or any(1 in zone.bodies for zone in self._zones)
         _, d2, a2, a3, d5, d6 = self._geometry
         tip = hypot(*self._offset)
-        forearm = d5 + d6 + tip
+        forearm = abs(d5) + abs(d6) + tip
         #: largest distance of the tip from the axis of each joint [m]
         self._reaches: Joints6 = (
             abs(d2) + a2 + a3 + forearm,
             a2 + a3 + forearm,
             a3 + forearm,
             forearm,
-            d6 + tip,
+            abs(d6) + tip,
             hypot(self._offset[0], self._offset[1]),
         )
         #: distance of the elbow from the axes of joints 1 and 2, which alone move it [m]

@@ -119,7 +119,7 @@ class Arm:
             q: joint angles that a controller reports [rad]. Shape (6,).
             flange: its pose of the flange then.
         """
-        return math.dist(self.fkine(q)[:3, 3], Pose.of(flange)[:3]) <= _SAME_ARM
+        return math.dist(self.fkine(_six(q))[:3, 3], Pose.of(flange)[:3]) <= _SAME_ARM
 
     def jacobian(self, q: JointsLike) -> Array:
         """Return the geometric Jacobian of the flange in the base frame.
@@ -139,7 +139,7 @@ class Arm:
         Args:
             q: joint angles [rad]. Shape (6,).
         """
-        values = forward.singular_values(self.geometry, _joints(q))
+        values = forward.singular_values(self.geometry, _six(q))
         return Singularity(*np.abs(values).tolist())
 
     def within_limits(self, q: JointsLike) -> bool:
@@ -244,6 +244,15 @@ def _joints(q: JointsLike) -> Array:
     return array
 
 
+def _six(q: JointsLike) -> Array:
+    array = _joints(q)
+    if array.shape != (6,):
+        raise ParameterError(
+            "q", Described(f"an array of shape {array.shape}"), "of shape (6,) [rad]"
+        )
+    return array
+
+
 def _matrix(flange: PoseLike | Array) -> Array:
     if isinstance(flange, np.ndarray) and flange.shape == (4, 4):
         return number_array("flange", flange, "a matrix of numbers")
@@ -257,8 +266,11 @@ def _tuple(rule: Vector) -> Callable[[str, Any], tuple[float, ...]]:
 def _geometry(name: str, value: Any) -> Geometry:
     if not isinstance(value, Geometry):
         raise ParameterError(name, value, "a Geometry")
+    # An upper arm and a forearm: without one of them the inverse kinematics have no solution.
+    rules = {"a2": _ABOVE, "a3": _ABOVE}
     lengths: dict[str, Any] = {
-        each: _ANY(each, length) for each, length in zip(value._fields, value.lengths, strict=False)
+        each: rules.get(each, _ANY)(each, length)
+        for each, length in zip(value._fields, value.lengths, strict=False)
     }
     own = value.corrections
     if own is not None:

@@ -152,7 +152,7 @@ def check(
 
 def _named(points: Any) -> dict[str, Any]:
     if isinstance(points, Mapping):
-        return dict(points)
+        return {str(name): point for name, point in points.items()}
     if isinstance(points, (Joints, Pose, str)) or not isinstance(points, Iterable):
         raise ParameterError("points", points, "a list of points, or points by name")
     return {str(number): point for number, point in enumerate(points)}

@@ -37,6 +37,9 @@ def test_points_that_are_fine_are_told_with_their_joints() -> None:
         assert Pose.from_matrix(ARM.fkine(q)).almost_equal(flange, position=1e-9, rotation=1e-9)
         assert q.distance(HOME) < 0.5
     assert "3 points: nothing found" in str(report)
+    numbered: Any = dict(enumerate(points, 1))
+    assert check(numbered, arm="gcr5_910", near=HOME).names == ("1", "2", "3")
+    assert "3 points: nothing found" in str(check(numbered, arm="gcr5_910", near=HOME))
 
 
 def test_each_problem_is_found_where_it_is() -> None:

@@ -68,6 +68,7 @@ NO_CORRECTIONS: list[Any] = [
         ("lower", [(7.0,) * 6, (0.0,) * 5]),
         ("upper", [(-7.0,) * 6, (10**400,) * 6]),
         ("geometry", [3, ARMS[0].geometry._replace(d1=math.nan), (1.0,) * 6]),
+        ("geometry", [ARMS[0].geometry._replace(a2=0.0), ARMS[0].geometry._replace(a3=-0.4)]),
         ("geometry", [ARMS[0].geometry._replace(corrections=each) for each in NO_CORRECTIONS]),
         ("name", [3, ""]),
     ],
@@ -216,6 +217,14 @@ def test_each_singularity_is_named(name: str, q: list[float | None]) -> None:
     assert measure.nearest == name
     assert getattr(measure, name) == pytest.approx(0.0, abs=1e-12)
     assert np.linalg.matrix_rank(five.jacobian(np.array(q, dtype=float)), tol=1e-9) == 5
+
+
+@for_each("wrong", [[[0.0] * 6] * 3, [0.0] * 5])
+def test_what_is_of_one_configuration_takes_no_other_number(wrong: Any) -> None:
+    here = Pose.from_matrix(ARMS[0].fkine([0.0] * 6))
+    for question in (ARMS[0].singularity, lambda q: ARMS[0].fits(q, here)):
+        with pytest.raises(ParameterError, match=r"of shape .*6,?\) \[rad\]"):
+            question(wrong)
 
 
 def test_joints_of_another_number_are_refused() -> None:
