@@ -52,14 +52,14 @@ class Frames(Section):
 
         Manual section 1.3.7.
         """
-        await self._finish(
-            calls.set_tool_data(
-                ranges.NAME("name", name),
-                ranges.TOOL_OFFSET("tool_offset", tool_offset),
-                ranges.PAYLOAD("payload", payload),
-                ranges.INERTIA("inertia_tensor", inertia_tensor),
-            )
+        call = calls.set_tool_data(
+            ranges.NAME("name", name),
+            ranges.TOOL_OFFSET("tool_offset", tool_offset),
+            ranges.PAYLOAD("payload", payload),
+            ranges.INERTIA("inertia_tensor", inertia_tensor),
         )
+        with self._supervisor.envelope.redefining():
+            await self._finish(call)
 
     async def set_load_data(self, load: Load | VectorLike) -> None:
         """Set the load that the tool holds (设置抓取负载); this works while a program runs, too.
@@ -95,7 +95,8 @@ class Frames(Section):
                 of 0 is no refusal; `get_wobj` reads the work object in use.
         """
         name_, wobj_ = ranges.NAME("name", name), ranges.POSE("wobj", wobj)
-        await self._accept(calls.set_wobj(name_, wobj_))
+        with self._supervisor.envelope.redefining():
+            await self._accept(calls.set_wobj(name_, wobj_))
 
     async def set_wobj_offset(self, wobj: PoseLike, active: bool) -> None:
         """Shift the work object of all later motions (工件坐标系偏移量), or end the shift.
@@ -115,7 +116,8 @@ class Frames(Section):
         Manual section 1.3.7.
         """
         wobj_, active_ = ranges.POSE("wobj", wobj), ranges.FLAG("active", active)
-        await self._accept(calls.set_wobj_offset(wobj_, active_))
+        with self._supervisor.envelope.redefining():
+            await self._accept(calls.set_wobj_offset(wobj_, active_))
 
     async def get_tcp_offset(self) -> Pose:
         """Read the pose of the tool in use in the flange's frame (工具的偏移量) [m, rad].

@@ -12,6 +12,7 @@ state (`envelope_watch.py`) stops all other movement.
 
 from __future__ import annotations
 
+import contextlib
 import math
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -25,7 +26,7 @@ from aioduco.models.samples import joints as joints_of
 from aioduco.models.samples import pose as pose_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from aioduco._wire.rpc import AsyncRpc
     from aioduco.envelope.ways import Leg, Way
@@ -122,8 +123,9 @@ class EnvelopeKeeper:
         #: the envelope whose arm was found to be the one that is there
         self._fitting: Envelope | None = None
         self._last: _Checked | None = None
-        #: tools and work objects by name, as they were read while the arm stood
-        self._named: dict[tuple[str, str], _Frames] = {}
+        #: tools and work objects by name, as they were read while the arm stood, and those in use
+        #: then
+        self._named: dict[tuple[tuple[str, str], Pose, Pose], _Frames] = {}
 
     # -- which envelope ------------------------------------------------------------------------
 
@@ -483,8 +485,9 @@ class EnvelopeKeeper:
         base = pose_of(await rpc.get_wobj())
         if not tool and not wobj:
             return _Frames(used, base, names)
+        key = names, used, base
         if not standing:
-            return self._named.get(names)
+            return self._named.get(key)
         flange = pose_of(await rpc.get_flange_pose())
         if wobj:
             seen = await rpc.get_tcp_pose_coord("", wobj)
@@ -498,8 +501,22 @@ class EnvelopeKeeper:
             if not seen:
                 return None
             used = flange.inverse() @ base @ pose_of(seen)
-        self._named[names] = found = _Frames(used, other, names)
+        self._named[key] = found = _Frames(used, other, names)
         return found
+
+    @contextlib.contextmanager
+    def redefining(self) -> Iterator[None]:
+        """Forget tools and work objects, of which one is defined anew within the block."""
+        self._forget_frames()
+        try:
+            yield
+        finally:
+            self._forget_frames()
+
+    def _forget_frames(self) -> None:
+        self._named.clear()
+        if self._last is not None:
+            self._last.frames = None
 
     def _still_used(self, frames: _Frames | None, names: tuple[str, str]) -> _Frames | None:
         """Return frames if they have these names, and no sample showed others in use."""

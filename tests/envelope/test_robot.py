@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import AsyncIterator
+from contextlib import suppress
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, NamedTuple, TypeVar
@@ -48,7 +49,7 @@ from aioduco.supervision.events import EnvelopeLeft, EnvelopeUnwatched, Event
 from aioduco.supervision.state_feed import Subscription
 from aioduco.testing import FaultProxy, HalfOpen, eventually_async
 
-from .conftest import AT, FLAT, SPEED, START, THREAD, fastest, turned, wall
+from .conftest import AT, FLAT, SPEED, START, THREAD, fastest, stand, turned, wall
 from .trials import ARM, LAG, Seen, least, margins
 
 TOOL = Pose(0, 0, 0, 0, 0, 0)
@@ -120,6 +121,26 @@ async def test_names_of_tool_and_work_object_are_taken_into_account(robot: aiodu
     deeper = Pose(long.x, long.y, long.z - 0.01, *long[3:])
     with pytest.raises(EnvelopeViolated, match="'table'"):
         await robot.motion.movel(deeper, v=1.0, a=5.0, tool="long", wobj="bench")
+
+
+async def test_a_frame_that_is_defined_anew_while_the_arm_moves_is_not_taken_for_the_old_one(
+    robot: aioduco.Robot, seen: Seen
+) -> None:
+    zone = wall()
+    robot.envelope = Envelope("gcr5_910", zone)
+    await robot.frames.set_wobj("part", Pose(0, 0, 0, 0, 0, 0))
+    here = await robot.state.get_tcp_pose()
+    await robot.motion.movel(here.shifted(x=-0.01), v=0.2, a=1.0, wobj="part")
+    first = await robot.motion.movel(here, v=0.05, a=1.0, wobj="part").start()
+    await robot.frames.set_wobj("part", Pose(0, 0.3, 0, 0, 0, 0))
+    await robot.frames.set_wobj("other", Pose(0, 0, 0, 0, 0, 0))  # which is in use, as before
+    with pytest.raises(TaskStopped):  # its path is not known, and is watched
+        await robot.motion.movel(here, v=0.3, a=1.0, wobj="part")
+    with suppress(TaskStopped):
+        await first
+    tool = ARM.fkine(np.array(seen.q))[:, :3, 3]
+    assert margins(zone, tool).min() > -LAG
+    await stand(robot, *START)
 
 
 @pytest.mark.slow
