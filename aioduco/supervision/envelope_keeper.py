@@ -508,6 +508,8 @@ class EnvelopeKeeper:
     def redefining(self) -> Iterator[None]:
         """Forget tools and work objects, of which one is defined anew within the block."""
         self._forget_frames()
+        if self._coordinator.streams:
+            self._watch.moves_unchecked()  # its worker goes on with the frame as it was
         try:
             yield
         finally:

@@ -143,6 +143,29 @@ async def test_a_frame_that_is_defined_anew_while_the_arm_moves_is_not_taken_for
     await stand(robot, *START)
 
 
+async def test_a_frame_that_is_defined_anew_while_a_stream_runs_does_not_lead_it_beyond(
+    robot: aioduco.Robot, seen: Seen
+) -> None:
+    zone = wall()
+    robot.envelope = Envelope("gcr5_910", zone)
+    await robot.frames.set_wobj("part", Pose(0, 0, 0, 0, 0, 0))
+    here = await robot.state.get_tcp_pose()
+    stream = robot.servo.pose(v=1.0, a=5.0, rate=100, wobj="part", options=THREAD)
+
+    async def follow() -> None:
+        async with stream:
+            await stream.send(here)
+            await robot.frames.set_wobj("part", Pose(0, 0.3, 0, 0, 0, 0))
+            for _ in range(200):
+                await stream.send(here)
+
+    with pytest.raises(StreamLeavesEnvelope, match="'wall'"):
+        await follow()
+    await robot.frames.set_wobj("other", Pose(0, 0, 0, 0, 0, 0))
+    tool = ARM.fkine(np.array(seen.q))[:, :3, 3]
+    assert margins(zone, tool).min() > -LAG
+
+
 @pytest.mark.slow
 async def test_a_motion_is_sent_more_slowly(robot: aioduco.Robot, seen: Seen) -> None:
     robot.envelope = Envelope("gcr5_910", ToolSpeed(0.2, action="slow"), wall(0.1, "slow", 0.1))
