@@ -36,6 +36,7 @@ _SEED = Integer(1, 2**31 - 1, source="this package")
 _SPEED = Number(1e-4, unit="m/s", source="this package")
 _TIMEOUT = Number(1e-3, 600.0, "s", source="this package")
 _NEEDS = ("mujoco", "ompl")
+_START = 60.0  # until a process that has not loaded its packages is killed [s]
 _GRACE = 5.0  # from a problem's time-out until its process is killed, such as to time a path [s]
 #: packages that the process imports; MuJoCo imports mostly OpenGL
 _PACKAGES = (*_NEEDS, "OpenGL", "charset_normalizer", "glfw")
@@ -306,12 +307,15 @@ class Planner(Closable):
             late.set()
             process.popen.kill()
 
+        starting = threading.Timer(_START, end)
         overdue = threading.Timer(problem.timeout + _GRACE, end)
         request.begin(process)
         try:
             if not self._seeded:
                 # Wait until it has loaded its packages, which is not part of a problem's time.
+                starting.start()
                 process.channel.receive()
+                starting.cancel()
                 process.channel.send(self._seed)
                 self._seeded = True
             unsent = self._unsent(request.scene)
@@ -326,6 +330,11 @@ class Planner(Closable):
             asked = False
         except (EOFError, OSError) as error:
             said = self._discard(process)
+            if late.is_set() and not self._seeded:
+                raise PlanningError(
+                    f"the planner's process has not started within {_START:g} s, and was ended; "
+                    "plan again"
+                ) from error
             if late.is_set():
                 raise NoPathFound(f"the planner was not done in {problem.timeout:g} s") from error
             why = said or "it said nothing"
@@ -334,9 +343,10 @@ class Planner(Closable):
             if asked and self._process is process:  # first: Ctrl-C may come again
                 self._process = None
             request.finish()
-            overdue.cancel()
-            if overdue.ident is not None:
-                overdue.join()
+            for timer in (starting, overdue):
+                timer.cancel()
+                if timer.ident is not None:
+                    timer.join()
             if asked or request.cancelled or late.is_set():
                 # Its answer, if it still comes, must not be taken for that of the next problem.
                 process.popen.kill()

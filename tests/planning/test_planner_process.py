@@ -227,6 +227,29 @@ def test_a_change_while_the_scene_is_compiled_is_sent_with_the_next_plan(
     assert process.scenes[0] < process.scenes[1]
 
 
+def test_a_process_that_never_says_that_it_has_started_is_ended(
+    processes: list[Process], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The plan waited for ever, however short its time-out."""
+
+    def silent(self: Process) -> None:
+        with self._lock:
+            assert self._lock.wait_for(lambda: self.killed, PATIENCE)
+        raise EOFError
+
+    monkeypatch.setattr(planner, "_START", 0.0)
+    with Planner(Scene()) as planning:
+        with monkeypatch.context() as patch:
+            patch.setattr(Process, "receive", silent)
+            with pytest.raises(PlanningError, match="has not started"):
+                planning.plan_blocking(HERE, HERE, timeout=1.0)
+        monkeypatch.setattr(planner, "_START", PATIENCE)
+        Process.may_answer.set()
+        with pytest.raises(NoPathFound, match="answer 2"):
+            planning.plan_blocking(HERE, HERE, timeout=2.0)
+    assert len(processes) == 2
+
+
 @pytest.mark.parametrize("where", ["send", "receive"])
 def test_ctrl_c_leaves_no_process_that_is_at_another_problem(
     processes: list[Process], monkeypatch: pytest.MonkeyPatch, where: str
