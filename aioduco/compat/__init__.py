@@ -254,7 +254,7 @@ class DucoCobot(Uncopied, ManualFunctions):
             try:
                 connection.open()
             except (ConnectError, ConnectionLost) as exc:
-                self._connection = None
+                # a lost connection stays: stop is still sent, on one of its own
                 self.last_error = as_thrift(exc, connected=False)
                 _log.warning("open returns -1: %s", exc)
                 return -1

@@ -243,6 +243,24 @@ def test_a_stop_is_sent_although_the_connection_is_lost(server: RecordingServer)
     assert len(server.received("stop")) == 3
 
 
+def test_a_stop_is_sent_although_the_connection_could_not_be_made_again(
+    server: RecordingServer,
+) -> None:
+    """It was refused as one that was never opened, while the arm moved on."""
+    server.answer("stop", 4)
+    with (
+        FaultProxy(server.host, server.port) as proxy,
+        DucoCobot(proxy.host, proxy.port) as robot,
+    ):
+        proxy.on("robotmoving", Cut(Place.BEFORE_REPLY))
+        with pytest.raises(ConnectionLost):
+            robot.robotmoving()
+        there, robot.port = robot.port, 1
+        assert robot.open() == -1  # nobody is there for a moment
+        robot.port = there
+        assert robot.stop(True) == 4
+
+
 def test_closing_ends_what_another_thread_waits_for(
     server: RecordingServer, robot: DucoCobot
 ) -> None:
