@@ -63,5 +63,6 @@ class StatusPort(PortReader[BufferedByteReceiveStream, StatusFrame]):
         Raises:
             ConnectionLost: the connection ended or was not open; or no frame came in time, and the
                 age of the next one would be unknown. Open a new connection.
+            ProtocolError: what came is no such frame; the controller may send another layout.
         """
         return await self._next()

@@ -88,6 +88,14 @@ def test_a_frame_is_read_as_it_was_written() -> None:
             StatusFrame.decode(wrong)
 
 
+def test_bytes_of_another_layout_are_no_frame() -> None:
+    """They were read as joint angles and states."""
+    frame = StatusFrame(joint_position=(0.5,) * 7, analog_in=(0.003,) * 8).encode()
+    for wrong in (frame[32:] + bytes(32), bytes(range(256)) * 5 + bytes(188), b"\xff" * FRAME_SIZE):
+        with pytest.raises(ProtocolError, match="another layout"):
+            StatusFrame.decode(wrong)
+
+
 def test_frames_tell_the_state(sim: Simulator, program: Program) -> None:
     program.write_float_reg(3, 2.5)
     program.write_word_reg(4, 65535)
