@@ -382,6 +382,8 @@ class PolledGripper(Uncopied, ABC):
             ) from self._failure
         if self.state.holding is False:
             raise ObjectLost(f"{self} holds nothing: what it was to grip was not there; {arm}")
+        # also what was gripped before the program, or by a command that was cancelled
+        self._held = self._held or self.state.holding is True
 
     @property
     def _unknown(self) -> str:
@@ -412,8 +414,6 @@ class PolledGripper(Uncopied, ABC):
         if not self._background:
             raise GripperError(f"{self} is not polled: write `async with` it; {_NOTHING}")
         self._check(_NOTHING)
-        # also what was gripped before the program, or by a command that was cancelled
-        self._held = self._held or self.state.holding is True
         error: BaseException | None = None
         cancelled = False
         async with anyio.create_task_group() as watching:

@@ -120,6 +120,17 @@ async def test_what_it_held_before_the_program_is_missed_too() -> None:
             await carry()
 
 
+async def test_what_it_held_before_the_program_is_not_taken_for_held_without_power() -> None:
+    hand = Hand()
+    hand.holding = True
+    async with hand:
+        hand.check_held()
+        lose_power(hand)
+        await eventually_async(lambda: hand.state.holding is None)
+        with pytest.raises(errors.HoldUnknown, match="does not report it any more"):
+            hand.check_held()
+
+
 async def test_a_gripper_that_reports_again_is_known_again() -> None:
     async with Hand() as hand:
         await hand.close()
