@@ -42,6 +42,7 @@ from aioduco.kinematics import models
 from aioduco.models.enums import RobotState
 from aioduco.models.force_sample import FORCE_REQUEST
 from aioduco.models.names import SPELLINGS, place
+from aioduco.recording.playback import WaypointFile
 from aioduco.sim import Simulator
 
 COMMAND = (sys.executable, "-W", "error", "-m", "aioduco.cli")
@@ -821,6 +822,18 @@ def _said_to_be_wrong(words: str, option: str, wrong: str) -> None:
     told = " ".join(answer.output.replace("│", " ").split())
     assert answer.exit_code == 2, answer.output
     assert re.search(f"Invalid value for {option}: {wrong}", told), told
+
+
+def test_waypoints_are_taught_although_the_controller_does_not_tell_its_arm(
+    tmp_path: Path,
+) -> None:
+    file = tmp_path / "points.toml"
+    with Simulator(generation="oldest") as sim:
+        at = f"{sim.host}:{sim.port}"
+        for name in ("one", "two"):
+            done = run("teach", at, "-o", str(file), "--no-guide", typed=f"{name}\nq\n")
+            assert done.exit_code == 0, done.output
+    assert [each.name for each in WaypointFile.read(file).waypoints] == ["one", "two"]
 
 
 def test_what_a_cell_tells_and_what_takes_no_cell_is_not_passed_over(tmp_path: Path) -> None:

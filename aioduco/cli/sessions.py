@@ -76,16 +76,22 @@ def control_session(address: RobotAddress, **options: Any) -> Iterator[Robot]:
             yield robot
 
 
-def reported_arm(robot: Robot) -> Arm | None:
-    """The arm that the controller reports; None if it reports none, or an unknown one."""
+def reported_name(robot: Robot) -> str:
+    """The arm that the controller reports, in its words; empty if it reports none."""
     from aioduco.errors import UnknownFunction  # noqa: PLC0415 - quick help
-    from aioduco.kinematics.catalogue import model_named  # noqa: PLC0415
     from aioduco.recording.playback.player import arm_named  # noqa: PLC0415
 
     try:
-        return model_named(arm_named(robot.version.get_robot_type()))
+        return arm_named(robot.version.get_robot_type())
     except UnknownFunction:
-        return None
+        return ""
+
+
+def reported_arm(robot: Robot) -> Arm | None:
+    """The arm that the controller reports; None if it reports none, or an unknown one."""
+    from aioduco.kinematics.catalogue import model_named  # noqa: PLC0415 - quick help
+
+    return model_named(reported_name(robot))
 
 
 def require_still_at(robot: Robot, joints: JointsLike, pose: Pose | None = None) -> None:

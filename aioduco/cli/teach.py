@@ -14,7 +14,7 @@ from aioduco.cli.exit_codes import say_error
 from aioduco.cli.options import Guide, refuse_unused, require_writable
 from aioduco.cli.output import say
 from aioduco.cli.questions import GIVES_WAY, ask
-from aioduco.cli.sessions import control_session, observing_session
+from aioduco.cli.sessions import control_session, observing_session, reported_name
 from aioduco.cli.status import degrees, pose_line
 
 if TYPE_CHECKING:
@@ -142,9 +142,9 @@ def _file(robot: Robot, path: Path) -> _Waypoints:
     """The existing file of waypoints, or a new one."""
     from aioduco.errors import PathRefused  # noqa: PLC0415
     from aioduco.recording.playback import WaypointFile  # noqa: PLC0415
-    from aioduco.recording.playback.player import arm_named, for_another_arm  # noqa: PLC0415
+    from aioduco.recording.playback.player import for_another_arm  # noqa: PLC0415
 
-    told = arm_named(robot.version.get_robot_type())
+    told = reported_name(robot)
     if not path.exists():
         return _Waypoints(WaypointFile.new(arm=told, title=str(path)), path)
     kept = WaypointFile.read(path)
