@@ -260,6 +260,13 @@ def test_a_pose_at_which_the_arm_moves_is_left_out(
     assert "1 poses were read, but" in ended.stderr
 
 
+def test_a_controller_without_external_torques_is_told_from_a_load(typed: Any) -> None:
+    typed([*[lambda: ""] * 2, lambda: "q"])
+    with ready_arm(generation="oldest") as sim:
+        ended = invoke("payload", at(sim), "--model", "gcr5_910", "--yes")
+    assert (ended.exit_code, "it is older; try --sensor force" in ended.stderr) == (1, True)
+
+
 def test_the_poses_of_a_payload_may_stand_in_a_cell(tmp_path: Path) -> None:
     file = tmp_path / "cell.toml"
     file.write_text(

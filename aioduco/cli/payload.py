@@ -281,11 +281,16 @@ def _mean(robot: Robot, sensor: Sensor) -> Vector:
     """The mean of many readings."""
     import numpy as np  # noqa: PLC0415 - quick help
 
+    from aioduco.errors import UnknownFunction  # noqa: PLC0415
+
     read = robot.force.fc_get_ft if sensor is Sensor.FORCE else robot.state.get_ext_torque
     values = []
     begin = time.monotonic()
     for number in range(1, _READINGS + 1):
-        values.append(read())
+        try:
+            values.append(read())
+        except UnknownFunction:
+            values.append(np.full(6, np.nan))
         robot.sleep(max(0.0, begin + number * _EVERY - time.monotonic()))
     mean: Vector = np.mean(values, axis=0)
     if not np.isfinite(mean).all():
