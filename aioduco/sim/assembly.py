@@ -143,6 +143,7 @@ class SimulatorAssembly:
         if profile.has("load"):
             mass, *centre = (profile.value("load", name, 0.0) for name in ("mass", *"xyz"))
             self.runtime.load(mass, centre)
+        settings.rules.restart()
         settings.rules.gripper = None
         if self.world.hand is not None:
             self._connect_gripper(self.world.hand, settings)

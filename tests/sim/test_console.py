@@ -79,6 +79,19 @@ def test_a_gripper_tells_when_it_has_closed(connect: Connect) -> None:
         assert not robot.get_standard_digital_in(4)
 
 
+def test_rules_hold_for_a_simulator_that_is_started_again(connect: Connect) -> None:
+    simulator = Simulator(speed=math.inf)
+    simulator.rule(output=1, input=4, inverted=True)
+    simulator.rule(output=2, input=5, after=1.0)
+    with simulator as sim:
+        connect(sim).set_standard_digital_out(2, True, True)
+        sim.wait_until(lambda: sim.signals.standard_in[4])
+    with simulator as sim:
+        sim.wait_until(lambda: sim.signals.standard_in[4])
+        sim.wait_until(lambda: sim.time > 2.0)
+        assert not sim.signals.standard_in[5]
+
+
 def test_a_rule_goes_before_the_gripper_that_is_wired_to_the_input(connect: Connect) -> None:
     with Simulator(speed=math.inf, gripper="parallel") as sim:
         robot = connect(sim)

@@ -84,6 +84,11 @@ class SignalRules:
         if not tool:
             self._ruled.add(num)
 
+    def restart(self) -> None:
+        """Begin anew, with the rules that there are, for a controller that was just made."""
+        self._last = dict.fromkeys(self._last)
+        self._due.clear()
+
     def tick(self, time: float, signals: Signals) -> None:
         """Run one cycle.
 
