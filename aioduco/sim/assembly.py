@@ -144,6 +144,7 @@ class SimulatorAssembly:
             mass, *centre = (profile.value("load", name, 0.0) for name in ("mass", *"xyz"))
             self.runtime.load(mass, centre)
         settings.rules.restart()
+        settings.cabinet.restart()
         settings.rules.gripper = None
         if self.world.hand is not None:
             self._connect_gripper(self.world.hand, settings)

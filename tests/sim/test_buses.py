@@ -288,6 +288,31 @@ def test_a_slave_may_act_on_the_simulator(sim: Simulator, aside: Aside) -> None:
     assert sim.view.emergency_stop
 
 
+def test_a_simulator_that_is_started_again_has_no_times_of_the_run_before(
+    connect: Connect,
+) -> None:
+    slave, simulator = ModbusSlave(registers={0: 1}), Simulator(speed=math.inf)
+    cabinet = simulator.cabinet
+    cabinet.modbus.slaves["10.0.0.5", 1] = slave
+    cabinet.serial.peer, cabinet.serial.delay = Echo(), 0.5
+    with simulator as sim:
+        program = connect(sim)
+        program.modbus_add_signal("10.0.0.5", 1, 0, 3, "word")
+        sim.wait_until(lambda: sim.time > 1.0)
+        assert program.modbus_read("word") == 1
+        assert program.set_load_data([2.0, 0.0, 0.0, 0.0]) == TaskState.FINISHED
+        program.write_raw_data_485([1])
+    slave.registers[0] = 2
+    with simulator as sim:
+        program = connect(sim)
+        assert program.modbus_read("word") == 2
+        program.write_raw_data_485([2])
+        began = sim.time
+        sim.wait_until(lambda: sim.time > began + 0.5)
+        assert program.read_raw_data_485(9) == [2]
+        assert cabinet.held.mass == 0.0  # the arm carries nothing yet, either
+
+
 def test_signals_are_read_at_their_frequency(sim: Simulator, program: Program) -> None:
     slave = ModbusSlave(registers={0: 1})
     sim.cabinet.modbus.slaves["10.0.0.5", 1] = slave

@@ -77,3 +77,10 @@ class Cabinet(Uncopied):
     tooled: bool = False
     force_sensor: bool = True
     lock: threading.Lock = field(default_factory=threading.Lock)
+
+    def restart(self) -> None:
+        """Begin a run: its time starts at 0, and the arm carries nothing."""
+        self.held = NO_LOAD
+        self.serial.restart()
+        self.tool_serial.restart()
+        self.modbus.restart()

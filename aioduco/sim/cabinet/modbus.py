@@ -244,6 +244,11 @@ class ModbusSignals:
             raise ValueError(f"frequency is {frequency}, but must be from 1 to 100 Hz")
         signal.frequency, signal.due = frequency, float("-inf")
 
+    def restart(self) -> None:
+        """Begin a run: every signal is read again."""
+        for signal in self._signals.values():
+            signal.due = float("-inf")
+
     def read(self, name: str, time: float) -> int:
         """Read a signal's value, not older than its period.
 

@@ -67,6 +67,10 @@ class SerialPort:
         while self._coming and self._coming[0][0] <= time:
             self.arrive(self._coming.popleft()[1])
 
+    def restart(self) -> None:
+        """Begin a run: answers that were on their way in the one before do not come."""
+        self._coming.clear()
+
     def read(self, length: int | None = None) -> bytes:
         """Take up to `length` bytes from the buffer; None for all."""
         if length is not None and length <= 0:
