@@ -131,6 +131,7 @@ class _Node:
         action: what is done when it is reached.
         slope: slope of x over the distance; None while the next point is not known.
         most: square of the largest speed there, for its bend and its two chords.
+        cap: square of the largest speed on the way to it, for the sharpest bend of that way.
         stretch: largest ratio of lengths along the curve and along the chord, on the way to it.
     """
 
@@ -141,6 +142,7 @@ class _Node:
     action: Callable[[], None] | None = None
     slope: Array | None = None
     most: float = math.inf
+    cap: float = math.inf
     stretch: float = 1.0
 
 
@@ -218,34 +220,36 @@ class _Track(TargetFollower):
             joints = _MARGIN * np.array(self._arm.velocity) * length / np.abs(node.q - last.q)
         fastest = float(joints.min()) ** 2
         node.most = fastest
+        last.most = min(last.most, fastest)
         if not first:
             last.slope = last.slope if last.slope is not None else chord
-            last.most = min(last.most, fastest)
+            self._bends(last, node, last.slope, chord)
             return
         before = self._nodes[-2] if len(self._nodes) > 1 else self._here
         if last.slope is None:
             last.slope = (node.x - before.x) / (node.at - before.at)
         slope = last.slope  # which does not change once the motion to the point has begun
-        last.most = min(last.most, fastest)
-        bend = self._bends(before, last, before.slope, slope)
-        allowed = _ACROSS * self._a / bend if bend > 0.0 else math.inf
-        last.most = min(last.most, allowed)
+        self._bends(before, last, before.slope, slope)
+        last.most = min(last.most, last.cap)
         if self._window and self._window[-1] is before:
-            before.most = min(before.most, allowed)
+            before.most = min(before.most, last.cap)
             self._window.pop()
             self._limit(before)
         self._limit(last)
+        # As far as is known the path ends at the new point; with the next one it bends otherwise.
+        self._bends(last, node, slope, chord)
 
-    def _bends(self, a: _Node, b: _Node, m: Array | None, n: Array) -> float:
-        """Give the sharpest bend between two points, and store the longest slope."""
+    def _bends(self, a: _Node, b: _Node, m: Array | None, n: Array) -> None:
+        """Store the longest slope between two points, and the speed that the bends there allow."""
         length = b.at - a.at
         rise = (b.x - a.x) / length
         m = rise if m is None else m
         b.stretch = max(1.0, *map(self._bend, (m, n, 1.5 * rise - 0.25 * (m + n))))
-        return max(
+        bend = max(
             self._bend((6.0 * rise - 4.0 * m - 2.0 * n) / length),
             self._bend((-6.0 * rise + 2.0 * m + 4.0 * n) / length),
         )
+        b.cap = _ACROSS * self._a / bend if bend > 0.0 else math.inf
 
     def _limit(self, node: _Node) -> None:
         key = self._key(node)
@@ -285,13 +289,16 @@ class _Track(TargetFollower):
                 self._end()
             self._underrun = False
             return JointSetPoint.at_rest(self.setpoint.q)
-        most = self._v * self._speed / self._nodes[0].stretch
+        way = self._nodes[0]
+        most = min(self._v * self._speed / way.stretch, math.sqrt(way.cap))
         rate = min(self._rate + self._along * self._cycle, most)
         rate = max(rate, self._rate - self._along * self._cycle)
         ahead = self._window[0] if self._window else None
         if ahead is not None:
             rate = min(rate, self._rate_before(ahead.most, ahead.at))
         last = self._nodes[-1]
+        if len(self._nodes) > 1:
+            rate = min(rate, self._rate_before(last.cap, self._nodes[-2].at))
         ending = self._rate_before(0.0, last.at)
         if ending < rate:
             rate = ending
