@@ -61,6 +61,8 @@ class TargetFollower(ABC):
 
     #: kind of the failure if a joint cannot follow a set-point
     severity: ClassVar[Failure] = "error"
+    #: whether it resumes from any speed; otherwise a pause goes on until it stands
+    resumes_moving: ClassVar[bool] = True
 
     def __init__(self, arm: Arm, q: Array, cycle: float) -> None:
         self.failure: FollowError | None = None
@@ -69,7 +71,8 @@ class TargetFollower(ABC):
         #: the latest set-point
         self.setpoint: JointSetPoint = JointSetPoint.at_rest(q)
         self._speed = 1.0
-        self._after_stop: Literal["", "stand", "end"] = ""  # the next action after slowing down
+        #: what it does after slowing down; empty while it does not slow down
+        self._after_stop: Literal["", "stand", "resume", "end"] = ""
         self._hard = np.array(arm.acceleration) * STOPPING
         self._fastest = np.array(arm.velocity) * _FASTER
         self._lower = np.array([least(bound) for bound in arm.lower])
@@ -90,14 +93,18 @@ class TargetFollower(ABC):
 
     def pause(self) -> None:
         """Decelerate and stand until `resume`."""
-        if not self._after_stop:
+        if self._after_stop in ("", "resume"):
             self._after_stop = "stand"
 
     def resume(self) -> None:
         """Resume after a pause."""
-        if self._after_stop == "stand":
+        if self._after_stop != "stand":
+            return
+        if self.resumes_moving or not self.setpoint.qd.any():
             self._after_stop = ""
             self._resumed()
+        else:
+            self._after_stop = "resume"
 
     def stop(self) -> None:
         """Decelerate as fast as the drives can, and end."""
@@ -147,8 +154,13 @@ class TargetFollower(ABC):
     def _slow_down(self) -> None:
         """Decelerate all joints together, so that their motion keeps its direction."""
         self.setpoint = self.setpoint.slowed(self._hard, self._cycle)
-        if self._after_stop == "end" and not self.setpoint.qd.any():
+        if self.setpoint.qd.any():
+            return
+        if self._after_stop == "end":
             self._end()
+        elif self._after_stop == "resume":
+            self._after_stop = ""
+            self._resumed()
 
     def _checked(self, point: JointSetPoint) -> JointSetPoint:
         """Refuse a set-point that a joint cannot follow, or from which it cannot stop in time."""

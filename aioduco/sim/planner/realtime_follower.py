@@ -126,6 +126,7 @@ class RealtimeFollower(TargetFollower):
     """
 
     severity: ClassVar[Failure] = "fault"
+    resumes_moving = False
 
     def __init__(
         self,

@@ -48,7 +48,7 @@ class _Velocity(TargetFollower):
     def finish(self) -> None:
         """Decelerate to rest at the given acceleration, and end."""
         self._ending = True
-        if self._after_stop == "stand":
+        if self._after_stop in ("stand", "resume"):
             self._after_stop = "end"
 
     def _ramp(self) -> Array:
@@ -89,6 +89,8 @@ class ToolVelocity(_Velocity):
         frame: orientation in the base of the axes of the velocity. Shape (3, 3). None for the
             tool's axes, which turn with it.
     """
+
+    resumes_moving = False
 
     def __init__(
         self, arm: Arm, q: Array, cycle: float, tool: Array, frame: Array | None = None

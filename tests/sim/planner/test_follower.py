@@ -1,0 +1,71 @@
+"""What all followers have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from aioduco.sim.planner.realtime_follower import (
+    Follow,
+    RealtimeCommand,
+    RealtimeFollower,
+    RealtimeQueue,
+)
+from aioduco.sim.planner.servo_follower import ServoFollower, ServoTuning
+from aioduco.sim.planner.velocity_follower import JointVelocity, ToolVelocity
+
+from .motions import CYCLE, FIVE, HOME
+
+NONE = np.zeros(6)
+TURN = np.array([0.5, 0.0, 0.0, 0.0, 0.0, 0.0])
+
+
+def joint_velocity() -> JointVelocity:
+    follower = JointVelocity(FIVE, HOME, CYCLE)
+    follower.aim(TURN, 5.0)
+    return follower
+
+
+def tool_velocity() -> ToolVelocity:
+    follower = ToolVelocity(FIVE, HOME, CYCLE, np.eye(4))
+    follower.aim(0.4 * TURN, 5.0)
+    return follower
+
+
+def servo() -> ServoFollower:
+    follower = ServoFollower(FIVE, HOME, CYCLE)
+    follower.aim(HOME + TURN, ServoTuning(1.0, 5.0, 200.0, 25.0, 10.0, 1.0))
+    return follower
+
+
+def realtime() -> RealtimeFollower:
+    queue = RealtimeQueue()
+    # After the pause they begin again as for an arm that stands.
+    speeds = [0.04 + 0.002 * i for part in (100, 200) for i in range(part)]
+    queue.put(RealtimeCommand(joint_speeds=(speed, 0.0, 0.0, 0.0, 0.0, 0.0)) for speed in speeds)
+    options: Any = {"bandwidth": 100.0, "patience": 1.0, "tool": np.eye(4), "wobj": np.eye(4)}
+    return RealtimeFollower(FIVE, HOME, CYCLE, queue, Follow.JOINT_SPEEDS, **options)
+
+
+@pytest.mark.cases(4)
+@pytest.mark.parametrize("made", [joint_velocity, tool_velocity, servo, realtime])
+def test_what_is_resumed_before_it_stands_keeps_to_its_accelerations(
+    made: Callable[[], Any],
+) -> None:
+    follower = made()
+
+    def run(cycles: int) -> list[np.ndarray]:
+        return [follower.tick(NONE, NONE).qd for _ in range(cycles)]
+
+    speeds = run(100)
+    follower.pause()
+    speeds += run(3)
+    assert np.abs(speeds[-1]).max() > 0.1
+    follower.resume()
+    speeds += run(150)
+    assert follower.failure is None
+    assert np.abs(speeds[-1]).max() > 0.1
+    assert np.abs(np.diff(speeds, axis=0)).max() < CYCLE * max(FIVE.acceleration)
