@@ -25,8 +25,8 @@ FRAME_SIZE: Final = 1468
 Numbers = tuple[float, ...]
 Whole = tuple[int, ...]
 
-#: fields of which each number is 0 or 1, as both parsers read them
-_SIGNALS: Final = ("function_digital_in", "function_digital_out", "digital_in", "digital_out")
+#: beyond it a number is no position of a joint, or of an external axis [rad, m]
+_FARTHEST: Final = 1000.0
 _BIGGEST = 3.4028234663852886e38  # largest finite float of four bytes
 
 
@@ -146,8 +146,8 @@ class StatusFrame:
             The frame.
 
         Raises:
-            ProtocolError: `data` has another length, or joint positions or signals that are none,
-                as when a controller sends another layout. Nothing else in a frame tells that.
+            ProtocolError: `data` has another length, or joint positions that are none, as when a
+                controller sends another layout. Nothing else in a frame certainly tells that.
         """
         if len(data) != FRAME_SIZE:
             raise ProtocolError(f"a status frame has {FRAME_SIZE} bytes, not {len(data)}")
@@ -155,12 +155,10 @@ class StatusFrame:
         for name, offset, one, count in _LAYOUT:
             found = one.unpack_from(data, offset)
             values[name] = found if count else found[0]
-        if not all(map(math.isfinite, values["joint_position"])) or any(
-            max(values[name]) > 1 for name in _SIGNALS
-        ):
+        if not all(abs(each) < _FARTHEST for each in values["joint_position"]):
             raise ProtocolError(
-                "these bytes are no status frame: they have joint positions or signals that are "
-                "none; the controller may send another layout"
+                f"these bytes are no status frame, with joints at {values['joint_position']}: the "
+                "controller may send another layout"
             )
         return cls(**values)
 
