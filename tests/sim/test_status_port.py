@@ -102,6 +102,7 @@ def test_frames_tell_the_state(sim: Simulator, program: Program) -> None:
     program.set_standard_digital_out(6, True, True)
     sim.signals.voltage_in[2] = 5.0
     sim.set_digital_input(7, True)
+    sim.signals.tool_buttons[1] = True  # T, which comes first over the wire and last here
     assert program.to(0.3, 0.0, 1.57, 0.0, -1.57, 0.0) == 4
     status = program.getRobotStatus()
     frame = public(received(sim.status_port, 2)[1])
@@ -115,6 +116,7 @@ def test_frames_tell_the_state(sim: Simulator, program: Program) -> None:
     assert frame["digitalIOOutput"][5] == 1
     assert frame["digitalIOInput"][6] == 1
     assert frame["analogInput"][1] == 5.0
+    assert frame["toolButtonStatus"] == (0, 1)
     assert frame["globalSpeed"] == (100,)
     states = ("robotStatus", "robotProgramRunStatus", "safetyMonitorStatus", "robotOperationMode")
     assert [frame[name][0] for name in states] == program.get_robot_state()
