@@ -96,7 +96,7 @@ class JointTrajectory(Frozen):
     Args:
         positions: joint positions [rad], -2π to 2π. Shape (n, 6).
         times: time of each point from the start, rising, the first at least 0 [s]. Shape (n,).
-        velocities: joint velocities [rad/s]. Shape (n, 6).
+        velocities: joint velocities, to be followed zero at the last point [rad/s]. Shape (n, 6).
         accelerations: joint accelerations, only with velocities [rad/s²]. Shape (n, 6).
 
     Raises:

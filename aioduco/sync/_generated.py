@@ -342,7 +342,8 @@ class Motion(_Section):
             How the trajectory was followed; the arm is at the goal.
 
         Raises:
-            ParameterError: the trajectory is too fast for `v`; nothing was sent.
+            ParameterError: the trajectory is too fast for `v`, or does not end at rest; nothing
+                was sent.
             FirstPointTooFar: the arm is not where the trajectory begins; nothing was sent.
             PathToleranceViolated: the arm strayed from the path; it was brought to rest.
             GoalToleranceViolated: the arm did not come close enough to the last point in time.

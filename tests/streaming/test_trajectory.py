@@ -261,6 +261,15 @@ async def test_a_trajectory_too_fast_is_refused(controller: Controller) -> None:
         await run(controller, Arm(controller), v=0.2)
 
 
+async def test_a_trajectory_that_ends_in_motion_is_refused(controller: Controller) -> None:
+    """The arm would go beyond its last point, as far as it takes to brake, and come back."""
+    here = np.array(HERE)
+    moving = JointTrajectory([here, here + 0.1], [0.0, 0.5], [[0.0] * 6, [0.3] * 6])
+    with pytest.raises(ParameterError, match=r"0\.3 rad/s at its last point"):
+        await run(controller, Arm(controller), moving)
+    assert not controller.server.received("servoj")
+
+
 @pytest.mark.slow
 async def test_through_the_realtime_queue(controller: Controller) -> None:
     queue = Cycles(CYCLE)

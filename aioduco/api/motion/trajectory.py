@@ -39,6 +39,7 @@ _LOOK = 0.02  # seconds between two reads of the arm's position
 _DEPTH = 100  # points in the controller's queue: it lasts for 0.1 s without new points
 _LAG = 0.3  # seconds by which the arm may lag behind its set-points without being off its path
 _AHEAD = 0.4  # seconds of set-points that are sent ahead, where another trajectory may come
+_REST = 0.01  # rad/s up to which a joint rests at the last point
 _WINDOW = 60  # points of the path in that time with which the arm's position is compared
 
 
@@ -77,7 +78,8 @@ async def follow(
         options: how the worker runs; None: in a process of its own.
 
     Raises:
-        ParameterError: the trajectory is too fast for `v`; nothing was sent.
+        ParameterError: the trajectory is too fast for `v`, or does not end at rest; nothing was
+            sent.
         PathToleranceViolated: the arm strayed from the path; it was brought to rest.
         GoalToleranceViolated: the arm did not come close enough to the last point in time.
         StreamError: the stream ended for another reason.
@@ -124,7 +126,7 @@ def _points(curve: Spline, interval: float, v: float) -> NDArray[np.float64]:
     """The set-points of a curve.
 
     Raises:
-        ParameterError: it is too fast.
+        ParameterError: it is too fast, or does not end at rest.
     """
     points = curve.at(curve.times[0] + instants(curve.duration, interval))
     speed = np.abs(np.diff(points, axis=0)).max(initial=0.0) / interval
@@ -132,6 +134,10 @@ def _points(curve: Spline, interval: float, v: float) -> NDArray[np.float64]:
         raise ParameterError(
             "trajectory", Described(f"a joint at {speed:.4g} rad/s"), f"up to {v:g} rad/s"
         )
+    ending = np.abs(curve.velocity(curve.times[-1:])).max()
+    if ending > _REST:
+        given = Described(f"a joint at {ending:.4g} rad/s at its last point")
+        raise ParameterError("trajectory", given, "at rest there, or the arm would go beyond it")
     return points
 
 
