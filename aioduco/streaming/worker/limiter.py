@@ -376,7 +376,8 @@ class SpeedGenerator:
     def aim(self, target: Config, interval: float, duration: float) -> None:  # noqa: ARG002
         """Take a new speed, to be reached as soon as the limits allow it."""
         self._target = target
-        self._left = max(0.0, self._left) * self.ready + interval / self._period
+        # its time begins with the end of the last one's, which may be between two ticks
+        self._left = (self._left if 0.0 < self._left < _TICK else 0.0) + interval / self._period
 
     def step(self, passed: int = 1) -> Config:
         """Advance, or brake before the envelope; returns the speed.
