@@ -7,6 +7,7 @@ the bytes, the units and the frames are assumptions: those of the status port an
 
 from __future__ import annotations
 
+import math
 import struct
 from dataclasses import dataclass
 from typing import Final
@@ -47,12 +48,14 @@ class ForceSample:
             data: its bytes.
 
         Raises:
-            ProtocolError: it has another length than 24 or 48 bytes.
+            ProtocolError: it has another length than 24 or 48 bytes, or a pose that is not finite.
         """
         if len(data) == _FORCE.size:
             return cls(_FORCE.unpack(data))
         if len(data) == _BOTH.size:
             numbers = _BOTH.unpack(data)
+            if not all(map(math.isfinite, numbers[6:])):
+                raise ProtocolError(f"the force port sent a pose that is not finite: {numbers[6:]}")
             return cls(numbers[:6], Pose(*numbers[6:]))
         raise ProtocolError(
             f"the force port sent {len(data)} bytes, and 24 or 48 are known: nothing was read"

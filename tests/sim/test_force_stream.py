@@ -153,6 +153,11 @@ async def test_a_length_that_is_not_known(monkeypatch: pytest.MonkeyPatch) -> No
                 await stream.sample()
 
 
+def test_a_pose_that_is_none_is_no_wrong_argument_of_the_program() -> None:
+    with pytest.raises(ProtocolError, match="a pose that is not finite"):
+        ForceSample.decode(struct.pack("<12f", *[0.0] * 6, math.nan, *[0.0] * 5))
+
+
 async def test_nobody_is_there() -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
         taken.bind(("127.0.0.1", 0))
