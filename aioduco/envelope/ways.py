@@ -386,14 +386,36 @@ class Leg(NamedTuple):
     tool: Pose
 
 
-def cut_corner(
-    checker: EnvelopeChecker, arm: Arm, before: Leg, after: Leg
-) -> tuple[Crossing | None, float]:
+class Corner(NamedTuple):
+    """What was found in a blended corner.
+
+    Attributes:
+        crossing: the limit that the arm may cross, if any.
+        share: share of the speed of the motion after the corner at which the limits with the action
+            "slow" are kept.
+        watched: whether the tool's speed is not known where such a limit is: the state shows it.
+    """
+
+    crossing: Crossing | None
+    share: float = 1.0
+    watched: bool = False
+
+    def stricter(self, other: Corner) -> Corner:
+        """What both say together."""
+        return Corner(
+            self.crossing or other.crossing,
+            min(self.share, other.share),
+            self.watched or other.watched,
+        )
+
+
+def cut_corner(checker: EnvelopeChecker, arm: Arm, before: Leg, after: Leg) -> Corner:
     """Check a blended corner: wherever the arm may be while it goes on from one leg to the other.
 
     In a blend the arm does the last part of one motion and the first part of the next one at once.
     How far it does each then is the controller's choice. So all sums of two parts that are together
-    not longer than the blend radius are checked.
+    not longer than the blend radius are checked. The tool's speed is between those of both motions
+    where it goes straight in both. Where the joints do, in one of them, it may be higher.
 
     Args:
         checker: checker of the sums: of poses of the tip where both motions are those of one tool's
@@ -401,14 +423,11 @@ def cut_corner(
         arm: the arm.
         before: the path before the corner, with a blend radius.
         after: the path after the corner.
-
-    Returns:
-        As of `check_way`; the share is of the speed of the motion after the corner.
     """
     radius, corner = before.way.radius, before.way.end
-    share = 1.0
+    share, watched = 1.0, False
     if radius <= 0.0:
-        return None, share
+        return Corner(None)
     parts = [_part(arm, leg, radius, back=leg is before) for leg in (before, after)]
     count = int(np.clip(math.ceil(max(length for _, length, _ in parts) / _CUT), *_CUTS))
     shares = np.linspace(0.0, 1.0, count + 1)
@@ -428,15 +447,20 @@ def cut_corner(
         sums = _sums(coming[number::-1], going[: number + 1], coming[0], by_tip=checker.by_tip)
         here, *others = map(tuple, sums.tolist())
         for there in others:
-            while found := checker.sweep(here, there, max(coming_speed, share * going_speed)):
-                most = 0.0
-                if found.action == "slow":
-                    most = checker.slow_speed(found.limit)
-                if coming_speed > most or most == 0.0:
-                    return found, share
-                share *= most / (share * going_speed) * (1 - 1e-9)
+            speed = max(coming_speed, share * going_speed) if checker.by_tip else math.inf
+            while found := checker.sweep(here, there, speed):
+                if found.action != "slow":
+                    return Corner(found, share)
+                if not checker.by_tip:
+                    watched, speed = True, 0.0
+                    continue
+                most = checker.slow_speed(found.limit)
+                if coming_speed > most:
+                    return Corner(found, share)
+                share = most / going_speed * (1 - 1e-9)
+                speed = max(coming_speed, share * going_speed)
             here = there
-    return None, share
+    return Corner(None, share, watched)
 
 
 def _part(arm: Arm, leg: Leg, radius: float, *, back: bool) -> tuple[float, float, float]:
@@ -447,13 +471,8 @@ def _part(arm: Arm, leg: Leg, radius: float, *, back: bool) -> tuple[float, floa
     outside = np.flatnonzero(np.linalg.norm(tips - tips[0], axis=1) > radius)
     last = int(outside[0]) if len(outside) else len(tips) - 1
     steps = np.linalg.norm(np.diff(tips[: last + 1], axis=0), axis=1)
-    speed = way.v
-    if not way.by_tip:
-        turns = np.abs(np.diff(configs[: last + 1], axis=0)).max(axis=1)
-        speed *= float((steps / np.maximum(turns, 1e-12)).max())
-    elif float(steps.sum()) < _SAME:
-        speed = 0.0  # it only turns
-    return last / (len(tips) - 1), float(steps.sum()), speed
+    length = float(steps.sum())
+    return last / (len(tips) - 1), length, way.v if length > _SAME else 0.0  # if it only turns
 
 
 def _joints(arm: Arm, leg: Leg, tips: Array, near: Sequence[float]) -> Array:

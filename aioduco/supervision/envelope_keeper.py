@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from aioduco._wire.rpc import AsyncRpc
-    from aioduco.envelope.ways import Leg, Way
+    from aioduco.envelope.ways import Corner, Leg, Way
     from aioduco.models.pose import Joints, Pose
     from aioduco.supervision.envelope_watch import EnvelopeWatch
     from aioduco.supervision.state_feed import StateFeed
@@ -235,8 +235,10 @@ class EnvelopeKeeper:
         found, share = ways.check_way(checker, way)
         if found is None and before is not None:
             following = ways.Leg(replace(way, v=share * way.v), frames.tool)
-            found, slowed = self._corner(envelope, before, following)
-            share *= slowed
+            corner = self._corner(envelope, before, following)
+            found, share = corner.crossing, corner.share * share
+            if corner.watched:
+                self._watch.moves_unchecked()
         if found is not None:
             await self._refuse(command.name, found)
         command = await self._slower(command, share)
@@ -246,22 +248,18 @@ class EnvelopeKeeper:
             self._last = _Checked(replace(way, v=share * way.v), frames.tool, newest)
         return command
 
-    def _corner(
-        self, envelope: Envelope, before: _Checked, after: Leg
-    ) -> tuple[Crossing | None, float]:
+    def _corner(self, envelope: Envelope, before: _Checked, after: Leg) -> Corner:
         """Check the corner between two motions, for the tool of each."""
         from aioduco.envelope import ways  # noqa: PLC0415  # loads numpy
 
-        share, legs = 1.0, (ways.Leg(before.way, before.tool), after)
+        legs = ways.Leg(before.way, before.tool), after
         tools = {leg.tool for leg in legs}
         by_tip = len(tools) == 1 and all(leg.way.by_tip for leg in legs)
+        corner = ways.Corner(None)
         for tool in tools:
             checker = self._watch.checker(envelope, tool, by_tip=by_tip)
-            found, slowed = ways.cut_corner(checker, envelope.arm, *legs)
-            share = min(share, slowed)
-            if found is not None:
-                return found, share
-        return None, share
+            corner = ways.cut_corner(checker, envelope.arm, *legs).stricter(corner)
+        return corner
 
     async def _servo(
         self, envelope: Envelope, command: Command, before: _Checked | None, newest: Task | None

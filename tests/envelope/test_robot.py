@@ -254,6 +254,20 @@ async def test_a_corner_through_a_zone_that_slows_is_gone_through_slowly(
     assert fastest(seen) <= 0.1 * 1.05
 
 
+async def test_a_corner_of_joint_motions_that_is_too_fast_in_a_zone_that_slows_ends_in_a_stop(
+    robot: aioduco.Robot, seen: Seen
+) -> None:
+    """Each motion alone is slow enough; how fast the tool is while it does both is not known."""
+    robot.envelope = Envelope("gcr5_910", wall(-1.0, "slow", 0.1))
+    lift = (0.0, -0.4, *START[2:])
+    bend = (0.0, -0.4, START[2], 1.0, *START[4:])
+    with pytest.raises(TaskStopped) as caught:
+        await robot.motion.run(
+            robot.motion.movej2(lift, v=1.0, a=5.0, r=0.08), robot.motion.movej2(bend, v=1.0, a=5.0)
+        )
+    assert isinstance(caught.value.__cause__, EnvelopeViolated)
+
+
 async def test_a_weave_over_a_line_beside_the_wall_is_stopped_before_it(
     robot: aioduco.Robot, seen: Seen
 ) -> None:
