@@ -87,7 +87,9 @@ class OperatorActions:
             controller.release_emergency_stop()
 
     def collide(self, joint: int) -> None:
-        """Make a joint, 1 to 6, detect a collision, unless a program has switched detection off.
+        """Make a joint, 1 to 6, detect a collision.
+
+        An arm that is not enabled detects none, nor one whose program has switched detection off.
 
         Raises:
             ParameterError: there is no such joint.
