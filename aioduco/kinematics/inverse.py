@@ -152,6 +152,7 @@ def _corrected(geometry: Geometry, flange: Array, q6: Array | float) -> Array:
     goal = flange[..., None, :, :]
     found: Array = near
     tried = ~np.isnan(near).any(axis=-1)
+    reached = np.zeros_like(tried)
     for _ in range(_CORRECTINGS):
         found = refine(geometry, found, goal)
         with np.errstate(invalid="ignore"):
