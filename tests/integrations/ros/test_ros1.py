@@ -30,7 +30,7 @@ from aioduco.sim import Simulator
 from aioduco.sim.scene import Box
 from aioduco.testing import eventually
 
-from .programs import WAVE, ur_services
+from .programs import START, WAVE, ur_services
 from .ros1_graph import HERE, ROOT, Graph
 
 pytestmark = [
@@ -157,6 +157,18 @@ def test_a_goal_has_its_result_when_the_driver_ends(
     assert found["state"] == PREEMPTED
     assert "the driver ends" in found["text"]
     assert not sim.moving
+
+
+def test_a_motion_by_a_service_ends_with_the_driver(
+    graph: Graph, sim: Simulator, node: subprocess.Popen[str]
+) -> None:
+    there = {"joints": [3.0, *START[1:]], "v": 0.03, "a": 1.0}  # which takes more than a minute
+    client = graph.client("call", "movej", json.dumps(there))
+    eventually(lambda: sim.moving)
+    node.send_signal(signal.SIGINT)
+    assert node.wait(PATIENT) == 0, graph.errors
+    assert not sim.moving
+    assert "was stopped" in client.communicate(timeout=PATIENT)[0]
 
 
 def test_joint_states_and_a_bag_of_them(

@@ -114,9 +114,11 @@ def _settings(parameters: dict[str, Any]) -> NodeSettings:
 
 
 async def _serve(settings: NodeSettings) -> None:
+    # The arm is left before the portal waits for the services that still run: one that moves it
+    # ends then, with the arm at rest.
     async with (
-        arm_node(settings, wall=rospy.get_time) as node,
         BlockingPortal() as portal,
+        arm_node(settings, wall=rospy.get_time) as node,
         anyio.create_task_group() as tasks,
     ):
         shell = _Shell(node, portal, tasks)
