@@ -41,7 +41,7 @@ class ArmServices:
     Args:
         robot: the robot, open.
         goals: trajectory goals of the arm.
-        recovered: called when the arm was brought up or recovered.
+        recovered: called when the arm was brought up or recovered, and not stopped meanwhile.
         halted: called before the arm is stopped or paused.
     """
 
@@ -56,7 +56,8 @@ class ArmServices:
         self._robot = robot
         self._goals = goals
         self._recovered = recovered
-        self._halted = halted
+        self._tell_halted = halted
+        self._halts = 0  # stops and pauses so far
         self._program = ""  # the program that `play` runs
         self._force_mode = False
 
@@ -108,11 +109,11 @@ class ArmServices:
 
     async def pause(self) -> ServiceReply:
         """Pause a trajectory goal, or a movej or movel."""
+        self._halted()
         if self._goals.busy:
             paused = await self._goals.pause()
             text = "the goal is paused" if paused else "the goal has ended, or goes on again"
             return ServiceReply(paused, text)
-        self._halted()
         return await _answered(self._paused())
 
     async def resume(self) -> ServiceReply:
@@ -277,9 +278,14 @@ class ArmServices:
         """The program's state, by its name."""
         return await self._named("program")
 
+    def _halted(self) -> None:
+        self._halts += 1
+        self._tell_halted()
+
     async def _recovering(self, step: Awaitable[object]) -> ServiceReply:
+        before = self._halts
         reply = await _answered(step)
-        if reply.success:
+        if reply.success and self._halts == before:
             self._recovered()
         return reply
 
