@@ -244,17 +244,22 @@ class ArmNode:
             streamed.ignore()
 
     async def run(self, sink: StateSink) -> None:
-        """Publish and serve until this is cancelled."""
-        async with anyio.create_task_group() as tasks:
-            for part in (self.goals, self.commands, self.twists, self.freedrive):
-                tasks.start_soon(part.run)
-            for streamed in (self.commands, self.twists, self.freedrive):
-                tasks.start_soon(streamed.watch)
-            for publish in (
-                *(self._publish_joints, self._publish_progress, self._publish_states),
-                *(self._watch_speed, self._diagnose),
-            ):
-                tasks.start_soon(publish, sink)
+        """Publish and serve until this is cancelled; it may be run again."""
+        streams = (self.commands, self.twists, self.freedrive)
+        try:
+            async with anyio.create_task_group() as tasks:
+                for part in (self.goals, *streams):
+                    tasks.start_soon(part.run)
+                for streamed in streams:
+                    tasks.start_soon(streamed.watch)
+                for publish in (
+                    *(self._publish_joints, self._publish_progress, self._publish_states),
+                    *(self._watch_speed, self._diagnose),
+                ):
+                    tasks.start_soon(publish, sink)
+        finally:
+            for streamed in streams:
+                streamed.leave()
 
     async def _publish_joints(self, sink: StateSink) -> None:
         """Publish joints at the full rate: one request each; a whole sample needs three."""

@@ -133,6 +133,11 @@ class JointCommands(StreamedCommands):
         self._changed.set()
         return True
 
+    def leave(self) -> None:
+        """The driver serves no more: as of the others, unless the stream must be held."""
+        if not self._hold:  # ros2_control never ceases
+            super().leave()
+
     def _block(self) -> None:
         super()._block()
         self._waiting.clear()

@@ -88,6 +88,10 @@ class StreamedCommands:
         if not self._ceased:
             self._block()
 
+    def leave(self) -> None:
+        """The driver serves no more: if it does again, commands that go on then are ignored."""
+        self._block()
+
     def _block(self) -> None:
         """Ignore commands until they cease, those that are not followed yet, too."""
         self._note_command()

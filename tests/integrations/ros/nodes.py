@@ -78,7 +78,14 @@ async def beside(work: Coroutine[Any, Any, None]) -> AsyncIterator[None]:
 
 @contextlib.asynccontextmanager
 async def running(sim: Simulator, sink: Sink | None = None, **given: Any) -> AsyncIterator[ArmNode]:
-    """A node that forgives a busy machine, whose arm stands at START."""
+    """A node that serves, forgives a busy machine, and whose arm stands at START."""
+    async with connected(sim, **given) as node, beside(node.run(sink or Sink())):
+        yield node
+
+
+@contextlib.asynccontextmanager
+async def connected(sim: Simulator, **given: Any) -> AsyncIterator[ArmNode]:
+    """The same before it serves."""
     settings = NodeSettings(
         host=sim.host,
         port=sim.port,
@@ -92,8 +99,7 @@ async def running(sim: Simulator, sink: Sink | None = None, **given: Any) -> Asy
     async with arm_node(settings, options=options) as node:
         for reply in (await node.services.recover(), await node.services.movej(START, 3.0, 20.0)):
             assert reply.success, reply.message
-        async with beside(node.run(sink or Sink())):
-            yield node
+        yield node
 
 
 async def ticks(rate: float) -> AsyncIterator[None]:

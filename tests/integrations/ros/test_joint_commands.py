@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from for_each import for_each
 
+from aioduco import Robot
 from aioduco.errors import ParameterError
 from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings
 from aioduco.integrations.ros.joint_commands import JointCommands, check_command
@@ -25,7 +26,7 @@ from aioduco.sim import Simulator
 from aioduco.testing import eventually_async
 
 from .goals import NAMES, PROFILE, START, Client, goal, way
-from .nodes import beside, running, ticks
+from .nodes import Sink, beside, connected, running, ticks
 
 
 @pytest.fixture(scope="module")
@@ -109,6 +110,53 @@ async def test_a_stop_is_not_undone_by_what_is_followed_only_later(
         assert not node.twists.take([0.0, 0.0, 0.05, 0.0, 0.0, 0.0])
         assert (await node.services.recover()).success
         await lead(node, sim, way(0.4, 0.1))
+
+
+@pytest.mark.slow
+async def test_a_driver_that_serves_again_does_not_go_on_with_commands(sim: Simulator) -> None:
+    """As after its transitions deactivate and activate; of a freedrive as of the others."""
+    async with connected(sim, command_timeout=10.0) as node:
+        async with beside(node.run(Sink())):
+            await lead(node, sim, way(0.2, 0.1))
+        async with beside(node.run(Sink())):
+            assert not node.commands.take(NAMES, way(0.2, 0.1))
+            assert not node.twists.take([0.0, 0.0, 0.05, 0.0, 0.0, 0.0])
+            node.freedrive.take(True)
+            assert not node.freedrive._wanted()
+            assert (await node.services.recover()).success
+            await lead(node, sim, way(0.4, 0.1))
+
+
+@pytest.mark.slow
+async def test_a_pause_of_a_goal_is_not_undone_by_commands_that_go_on(sim: Simulator) -> None:
+    up = [0.0, 0.0, 0.05, 0.0, 0.0, 0.0]
+    async with running(sim, command_timeout=10.0) as node:
+        client = Client(goal(count=50, duration=6.0, far=0.8))
+        node.goals.submit(client)
+        await eventually_async(lambda: client.seen)
+        assert not node.twists.take(up)  # the goal has the arm
+        assert (await node.services.pause()).success
+        node.goals.cancel(client)
+        await eventually_async(lambda: client.done)
+        assert not node.twists.take(up)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("how", ["bring_up", "recover"])
+async def test_a_stop_while_the_arm_is_brought_up_is_not_undone(
+    sim: Simulator, monkeypatch: pytest.MonkeyPatch, how: str
+) -> None:
+    async with running(sim, command_timeout=10.0) as node:
+        ready = getattr(Robot, how)
+
+        async def stopped_meanwhile(robot: Robot) -> object:
+            assert (await node.services.stop()).success
+            return await ready(robot)
+
+        assert node.twists.take([0.0] * 6)
+        monkeypatch.setattr(Robot, how, stopped_meanwhile)
+        assert (await getattr(node.services, how)()).success
+        assert not node.twists.take([0.0, 0.0, 0.05, 0.0, 0.0, 0.0])
 
 
 @pytest.mark.slow
