@@ -15,9 +15,10 @@ from __future__ import annotations
 
 import math
 from math import cos, hypot, sin
-from operator import add, sub
+from operator import sub
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from aioduco.envelope.corrected import CorrectedTable
 from aioduco.envelope.limits import BODIES, Crossing
 from aioduco.envelope.zones import BodyZonePairs, CheckedZone, Point
 
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
 Tip: TypeAlias = "Sequence[float]"
 """The tool's tip in the base frame: its rotation matrix by rows, then x, y, z [m]. Shape (12,)."""
 Joints6: TypeAlias = tuple[float, ...]
-_Table: TypeAlias = "tuple[tuple[float, ...], ...]"
 _Look: TypeAlias = tuple["Sequence[float]", "tuple[Point, ...]", Joints6]
 
 #: depth beyond a limit up to which an arm may stand, because of lag; only deeper it must lead back,
@@ -113,8 +113,10 @@ class EnvelopeChecker:
         )
         #: distance of the elbow from the axes of joints 1 and 2, which alone move it [m]
         self._elbow_reaches = hypot(a2, d2), abs(a2)
+        self._table: CorrectedTable | None = None
         if self._corrections:
-            self._table, self._reaches, self._elbow_reaches = self._corrected(tip)
+            self._table = CorrectedTable(self._geometry, self._corrections)
+            self._reaches, self._elbow_reaches = self._table.reaches(tip)
         self._lever = tip
         self._elbow = BodyZonePairs(self._zones, (1,))
         self._wrist = BodyZonePairs(self._zones, (0, 2))
@@ -166,46 +168,9 @@ class EnvelopeChecker:
         q = tuple(config)
         return config, self._from_joints(q), q
 
-    def _corrected(self, tip: float) -> tuple[_Table, Joints6, tuple[float, float]]:
-        """The Denavit-Hartenberg table of an arm with corrections, and the distances from its axes.
-
-        Returns:
-            For each joint its offset, the cosine and the sine of its twist, a and d; the largest
-            distance of the tip, at this distance from the flange, from the axis of each joint; and
-            that of the elbow from the first two [m].
-        """
-        d1, d2, a2, a3, d5, d6 = self._geometry
-        right = math.pi / 2
-        own_a, own_d, own_alpha, own_theta = self._corrections
-        a = [*map(add, (0.0, a2, a3, 0.0, 0.0, 0.0), own_a)]
-        d = [*map(add, (d1, d2, 0.0, 0.0, d5, d6), own_d)]
-        alpha = [*map(add, (-right, 0.0, 0.0, right, -right, 0.0), own_alpha)]
-        theta = [*map(add, (0.0, -right, 0.0, right, 0.0, 0.0), own_theta)]
-        table = tuple(zip(theta, map(cos, alpha), map(sin, alpha), a, d, strict=True))
-        links = [abs(x) + abs(z) for x, z in zip(a, d, strict=True)]
-        reaches = tuple([abs(a[i]) + sum(links[i + 1 :]) + tip for i in range(6)])
-        return table, reaches, (abs(a[0]) + links[1], abs(a[1]))
-
-    def _from_table(self, q: Joints6) -> tuple[Point, ...]:
-        """The same as `_from_joints` for an arm with corrections."""
-        # The axes of a frame, and its origin, in the base frame
-        x, y, z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
-        at = (0.0, 0.0, 0.0)
-        elbow = at
-        for number, (angle, (offset, ca, sa, a, d)) in enumerate(zip(q, self._table, strict=True)):
-            c, s = cos(angle + offset), sin(angle + offset)
-            x, side = _mixed(c, x, s, y), _mixed(-s, x, c, y)
-            at = _mixed(1.0, _mixed(1.0, at, a, x), d, z)
-            y, z = _mixed(ca, side, sa, z), _mixed(-sa, side, ca, z)
-            if number == 1:
-                elbow = at
-        u, v, w = self._offset
-        tip = _mixed(1.0, _mixed(1.0, at, u, x), 1.0, _mixed(v, y, w, z))
-        return tip, elbow, at
-
     def _from_joints(self, q: Joints6) -> tuple[Point, ...]:
-        if self._corrections:
-            return self._from_table(q)
+        if self._table is not None:
+            return self._table.places(q, self._offset)
         q1, q2, q3, q4, q5, q6 = q
         d1, d2, a2, a3, d5, d6 = self._geometry
         q23 = q2 + q3
@@ -695,13 +660,6 @@ class EnvelopeChecker:
         q23 = q[1] + q[2]
         ahead = a2 * sin(q[1]) + a3 * sin(q23) + d5 * sin(q23 + q[3])
         return ahead / (a2 + a3 + d5), sin(q[2]), sin(q[4])
-
-
-def _mixed(a: float, one: Point, b: float, other: Point) -> Point:
-    """The sum of two vectors, each times a number."""
-    x, y, z = one
-    u, v, w = other
-    return a * x + b * u, a * y + b * v, a * z + b * w
 
 
 def _known(place: Point) -> bool:

@@ -386,7 +386,7 @@ class Leg(NamedTuple):
     tool: Pose
 
 
-class Corner(NamedTuple):
+class CutCorner(NamedTuple):
     """What was found in a blended corner.
 
     Attributes:
@@ -400,16 +400,16 @@ class Corner(NamedTuple):
     share: float = 1.0
     watched: bool = False
 
-    def stricter(self, other: Corner) -> Corner:
+    def stricter(self, other: CutCorner) -> CutCorner:
         """What both say together."""
-        return Corner(
+        return CutCorner(
             self.crossing or other.crossing,
             min(self.share, other.share),
             self.watched or other.watched,
         )
 
 
-def cut_corner(checker: EnvelopeChecker, arm: Arm, before: Leg, after: Leg) -> Corner:
+def cut_corner(checker: EnvelopeChecker, arm: Arm, before: Leg, after: Leg) -> CutCorner:
     """Check a blended corner: wherever the arm may be while it goes on from one leg to the other.
 
     In a blend the arm does the last part of one motion and the first part of the next one at once.
@@ -427,7 +427,7 @@ def cut_corner(checker: EnvelopeChecker, arm: Arm, before: Leg, after: Leg) -> C
     radius, corner = before.way.radius, before.way.end
     share, watched = 1.0, False
     if radius <= 0.0:
-        return Corner(None)
+        return CutCorner(None)
     parts = [_part(arm, leg, radius, back=leg is before) for leg in (before, after)]
     count = int(np.clip(math.ceil(max(length for _, length, _ in parts) / _CUT), *_CUTS))
     shares = np.linspace(0.0, 1.0, count + 1)
@@ -450,17 +450,17 @@ def cut_corner(checker: EnvelopeChecker, arm: Arm, before: Leg, after: Leg) -> C
             speed = max(coming_speed, share * going_speed) if checker.by_tip else math.inf
             while found := checker.sweep(here, there, speed):
                 if found.action != "slow":
-                    return Corner(found, share)
+                    return CutCorner(found, share)
                 if not checker.by_tip:
                     watched, speed = True, 0.0
                     continue
                 most = checker.slow_speed(found.limit)
                 if coming_speed > most:
-                    return Corner(found, share)
+                    return CutCorner(found, share)
                 share = most / going_speed * (1 - 1e-9)
                 speed = max(coming_speed, share * going_speed)
             here = there
-    return Corner(None, share, watched)
+    return CutCorner(None, share, watched)
 
 
 def _part(arm: Arm, leg: Leg, radius: float, *, back: bool) -> tuple[float, float, float]:

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from aioduco._wire.rpc import AsyncRpc
-    from aioduco.envelope.ways import Corner, Leg, Way
+    from aioduco.envelope.ways import CutCorner, Leg, Way
     from aioduco.models.pose import Joints, Pose
     from aioduco.supervision.envelope_watch import EnvelopeWatch
     from aioduco.supervision.state_feed import StateFeed
@@ -248,14 +248,14 @@ class EnvelopeKeeper:
             self._last = _Checked(replace(way, v=share * way.v), frames.tool, newest)
         return command
 
-    def _corner(self, envelope: Envelope, before: _Checked, after: Leg) -> Corner:
+    def _corner(self, envelope: Envelope, before: _Checked, after: Leg) -> CutCorner:
         """Check the corner between two motions, for the tool of each."""
         from aioduco.envelope import ways  # noqa: PLC0415  # loads numpy
 
         legs = ways.Leg(before.way, before.tool), after
         tools = {leg.tool for leg in legs}
         by_tip = len(tools) == 1 and all(leg.way.by_tip for leg in legs)
-        corner = ways.Corner(None)
+        corner = ways.CutCorner(None)
         for tool in tools:
             checker = self._watch.checker(envelope, tool, by_tip=by_tip)
             corner = ways.cut_corner(checker, envelope.arm, *legs).stricter(corner)
