@@ -23,7 +23,7 @@ from aioduco.sim import Simulator
 from aioduco.sim.scene import Box
 from aioduco.testing import Delay, FaultProxy, eventually
 
-from .programs import ROOT, WAVE, processor_time, ur_services
+from .programs import ROOT, START, WAVE, processor_time, ur_services
 from .ros2_domain import Domain
 
 pytestmark = [
@@ -249,6 +249,17 @@ def test_transitions_and_parameters(domain: Domain, sim: Simulator) -> None:
     assert domain.ask("lifecycle", *steps) == [
         {"done": True, "state": state} for state in steps.values()
     ]
+
+
+def test_a_motion_by_a_service_ends_as_the_driver_is_deactivated(
+    domain: Domain, sim: Simulator, node: subprocess.Popen[str]
+) -> None:
+    there = {"joints": [3.0, *START[1:]], "v": 0.03, "a": 1.0}  # which takes more than a minute
+    client = domain.client("call", "movej", json.dumps(there))
+    eventually(lambda: sim.moving)
+    assert domain.ask("lifecycle", "deactivate") == [{"done": True, "state": "inactive"}]
+    assert not sim.moving
+    assert "was stopped" in client.communicate(timeout=PATIENT)[0]
 
 
 @pytest.mark.parametrize("killed", ["node", "guarded node", "client", "client that ends"])

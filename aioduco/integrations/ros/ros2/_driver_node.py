@@ -346,8 +346,8 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         return found
 
     def on_deactivate(self, state: Any) -> Any:
-        """Accept no more goals and commands; the arm comes to rest."""
-        self._portal.call(self._end_running)
+        """Accept no more goals and commands; the arm comes to rest, also from a service."""
+        self._portal.call(self._come_to_rest)
         return super().on_deactivate(state)
 
     def on_cleanup(self, state: Any) -> Any:
@@ -408,6 +408,12 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         if self._running is not None:
             self._running.cancel()
             await self._stopped.wait()
+
+    async def _come_to_rest(self) -> None:
+        """End what runs, and stop the arm, which a service or a program may still move."""
+        await self._end_running()
+        if self._arm is not None:
+            await self._arm.robot.stop()
 
     async def release(self) -> None:
         """Bring the arm to rest, and disconnect from it."""
