@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.numpy_on_use import number_array
 from aioduco.models.rules import Number, Vector, stored
+from aioduco.models.words import one_of
 from aioduco.streaming.sampling import Spline
 
 if TYPE_CHECKING:
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
 
     from aioduco.streaming.report import StreamStatistics
 
+
+Through = Literal["auto", "realtime", "servoj"]
+"""How set-points reach the controller."""
 
 _DISTANCE = Number(0.0, unit="rad", source="this package")
 _DISTANCES = Vector(_DISTANCE, length=6)
@@ -153,6 +157,19 @@ class JointTrajectory(Frozen):
             None if self.velocities is None else led(still, self.velocities),
             None if self.accelerations is None else led(still, self.accelerations),
         )
+
+
+def check_following(through: object, tolerances: object, feedback: object) -> None:
+    """Check how a trajectory is to be followed.
+
+    Raises:
+        ParameterError: an argument has another type or value.
+    """
+    one_of("through", through, get_args(Through))
+    if tolerances is not None and not isinstance(tolerances, Tolerances):
+        raise ParameterError("tolerances", tolerances, "Tolerances, or None")
+    if feedback is not None and not callable(feedback):
+        raise ParameterError("feedback", feedback, "a function, or None")
 
 
 def _fixed(name: str, value: Any) -> NDArray[np.float64]:

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from aioduco.api.kinematics import Kinematics as AioKinematics, Reachability
     from aioduco.api.log import Log as AioLog
     from aioduco.api.modbus import Modbus as AioModbus
-    from aioduco.api.motion import Motion as AioMotion, PlannedMotion, Through
+    from aioduco.api.motion import Motion as AioMotion, PlannedMotion
     from aioduco.api.motion.switch import TrajectorySwitch
     from aioduco.api.optimization import Optimization as AioOptimization
     from aioduco.api.program import Program as AioProgram
@@ -75,6 +75,7 @@ if TYPE_CHECKING:
     from aioduco.streaming.joint_trajectory import (
         Feedback,
         JointTrajectory,
+        Through,
         Tolerances,
         TrajectoryResult,
     )

@@ -21,7 +21,12 @@ from aioduco.models import ranges
 from aioduco.models.rules import Integer, Real
 from aioduco.models.samples import joints as joints_of
 from aioduco.models.words import one_of
-from aioduco.streaming.joint_trajectory import JointTrajectory, Tolerances
+from aioduco.streaming.joint_trajectory import (
+    JointTrajectory,
+    Through,
+    Tolerances,
+    check_following,
+)
 from aioduco.streaming.shared.options import Feeding, WorkerOptions, checked
 from aioduco.supervision.command import MotionCommand, check_motions
 from aioduco.supervision.envelope_keeper import fits
@@ -37,8 +42,6 @@ if TYPE_CHECKING:
     from aioduco.supervision.supervisor import Supervisor
 
 __all__ = ["Motion", "PlannedMotion", "Through"]
-
-Through = Literal["auto", "realtime", "servoj"]
 
 _AHEAD = Integer(1, 1000, "motions", source="this package")
 
@@ -218,12 +221,8 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
         """
         if not isinstance(trajectory, JointTrajectory):
             raise ParameterError("trajectory", trajectory, "a JointTrajectory")
-        one_of("through", through, get_args(Through))
+        check_following(through, tolerances, feedback)
         speed, acceleration = ranges.JOINT_SPEED("v", v), ranges.JOINT_ACCELERATION("a", a)
-        if tolerances is not None and not isinstance(tolerances, Tolerances):
-            raise ParameterError("tolerances", tolerances, "Tolerances, or None")
-        if feedback is not None and not callable(feedback):
-            raise ParameterError("feedback", feedback, "a function, or None")
         if switch is not None and not isinstance(switch, TrajectorySwitch):
             raise ParameterError("switch", switch, "a TrajectorySwitch, or None")
         Feeding(rate=rate, reach=per_group("reach", reach, 6))  # checks both

@@ -35,7 +35,13 @@ from aioduco.recording.playback.path_check import (
 )
 from aioduco.recording.playback.recorded_path import RecordedOutput, RecordedPath
 from aioduco.recording.playback.waypoints import Waypoint, WaypointFile
-from aioduco.streaming.joint_trajectory import Feedback, Tolerances, TrajectoryResult
+from aioduco.streaming.joint_trajectory import (
+    Feedback,
+    Tolerances,
+    TrajectoryResult,
+    check_following,
+)
+from aioduco.streaming.shared.options import checked
 from aioduco.supervision.permits import asked_at_call
 
 if TYPE_CHECKING:
@@ -104,6 +110,8 @@ async def play(
     """
     if not isinstance(path, RecordedPath):
         raise ParameterError("path", path, "a RecordedPath")
+    check_following(through, tolerances, feedback)  # before the arm moves to the begin
+    options = checked(options)
     with robot.permit("play"):
         found = await check_path_on(robot, path, arm=arm)
         if found:

@@ -244,6 +244,16 @@ async def test_what_speaks_against_it_is_said_and_nothing_is_sent(tmp_path: Path
         assert np.abs(sim.joints.array - FAR).max() < 1e-6
 
 
+@pytest.mark.parametrize("name", ["through", "tolerances", "feedback", "options"])
+async def test_a_wrong_argument_is_found_before_the_approach(tmp_path: Path, name: str) -> None:
+    path = RecordedPath.of(read(write(tmp_path / "run.mcap")))
+    wrong: dict[str, Any] = {name: 3}
+    async with led(joints=FAR) as (sim, robot):
+        with pytest.raises(aioduco.ParameterError, match=f"{name} is 3, .*nothing was sent"):
+            await play(robot, path, approach=0.3, **wrong)
+        assert np.abs(sim.joints.array - FAR).max() < 1e-6
+
+
 def wait_a_while(sim: Simulator) -> None:
     begin = sim.time
     sim.wait_until(lambda: sim.time > begin + 0.5, timeout=30)
