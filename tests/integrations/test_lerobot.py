@@ -15,7 +15,7 @@ from aioduco.errors import ParameterError
 from aioduco.testing import eventually
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from aioduco.sim import Simulator
 
@@ -87,17 +87,23 @@ def test_an_action_a_little_beyond_a_joint_s_end_is_cut(duco: Any) -> None:
 
 
 def interrupted(duco: Any) -> None:
-    """End as a command of LeRobot does after Ctrl-C."""
+    """End as most commands of LeRobot do after Ctrl-C."""
     try:
         raise KeyboardInterrupt
     finally:
         duco.disconnect()
 
 
+def ended(duco: Any) -> None:
+    """End as lerobot-teleoperate does after Ctrl-C, which it has handled by then."""
+    duco.disconnect()
+
+
 @pytest.mark.slow
 @pytest.mark.duco_speed(1.0)  # a stream's times are the wall's
+@pytest.mark.parametrize("end", [interrupted, ended])
 def test_an_interrupt_of_lerobot_s_loop_brakes_the_arm_far_from_the_last_action(
-    duco: Any, duco_simulator: Simulator
+    duco: Any, duco_simulator: Simulator, end: Callable[[Any], None]
 ) -> None:
     action = duco.get_observation()
     start = action["joint_1.pos"]
@@ -105,6 +111,6 @@ def test_an_interrupt_of_lerobot_s_loop_brakes_the_arm_far_from_the_last_action(
         duco.send_action({**action, "joint_1.pos": start + 0.05 * number})
     eventually(lambda: duco_simulator.joints[0] > start + 0.01)
     with contextlib.suppress(KeyboardInterrupt):
-        interrupted(duco)
+        end(duco)
     assert not duco_simulator.moving
     assert duco_simulator.joints[0] < start + 0.8

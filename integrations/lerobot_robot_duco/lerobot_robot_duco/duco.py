@@ -7,6 +7,7 @@ import math
 import sys
 from contextlib import ExitStack
 from functools import cached_property
+from operator import sub
 from typing import TYPE_CHECKING, Any
 
 from lerobot.cameras.utils import make_cameras_from_configs
@@ -15,7 +16,7 @@ from lerobot.utils.errors import DeviceAlreadyConnectedError, DeviceNotConnected
 
 import aioduco.sync
 from aioduco import WorkerOptions
-from aioduco.errors import ParameterError, StreamStarved
+from aioduco.errors import ParameterError, StaleState, StreamStarved
 from lerobot_robot_duco.config_duco import DucoConfig
 
 if TYPE_CHECKING:
@@ -127,17 +128,30 @@ class Duco(Robot):
             self._connected().bring_up()
 
     def disconnect(self) -> None:
-        """Follow the last action to its end, and leave the arm standing.
+        """Follow the last action to its end if it is near, and leave the arm standing.
 
-        While an error is handled, as in the `finally` with which LeRobot's commands end after
-        Ctrl-C, the arm brakes at once.
+        The arm brakes at once if a joint is more than `max_step` from the last action, and while an
+        error is handled, as in the `finally` with which LeRobot's commands end. The distance
+        counts, too, because `lerobot-teleoperate` has handled Ctrl-C before it calls this.
         """
         self._connected()
         assert self._open is not None
         error = sys.exception()
         with self._open:
             self._open = None
+            if error is None and (away := self._away()) > self.config.max_step:
+                logger.warning("%s: %.3g rad from its last action, the arm brakes", self, away)
+                error = KeyboardInterrupt()
             self._end_stream(error)
+
+    def _away(self) -> float:
+        """Largest distance of a joint from the last action [rad]; infinite if it is not known."""
+        if self._last is None:
+            return 0.0
+        try:
+            return max(map(abs, map(sub, self._last, self._joints())))
+        except StaleState:
+            return math.inf
 
     def _connected(self) -> aioduco.sync.Robot:
         if self._robot is None:
