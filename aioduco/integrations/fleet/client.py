@@ -188,7 +188,8 @@ class FleetClient(Uncopied):
         riddle = challenge()
         answers: dict[str, StopReport] = {}
         unproven: set[str] = set()
-        asked: set[str] = set()
+        asked: set[str] = set()  # of those present
+        ever: set[str] = set()
         ended: set[str] = set()
 
         def answered(gateway: str, data: bytes, proof: bytes) -> None:
@@ -212,11 +213,14 @@ class FleetClient(Uncopied):
             self._wake()
 
         def missing() -> set[str]:
-            return {*self._missing(answers), *(asked - (answers.keys() & ended))}
+            return {*self._missing(answers), *(ever - (answers.keys() & ended))}
 
         def over() -> bool:
+            asked.intersection_update(self._present)  # one that comes back may be a new process
             for gateway in sorted(self._present - asked):
                 asked.add(gateway)
+                ever.add(gateway)
+                ended.discard(gateway)
                 self._link.ask_for_stop(gateway, request, riddle, timeout, answered, all_answered)
             return not missing()
 

@@ -14,7 +14,13 @@ import anyio.to_thread
 import pytest
 from ports import free_port
 
-from aioduco.integrations.fleet import FleetClient, FleetFileError, FleetGateway, FleetSettings
+from aioduco.integrations.fleet import (
+    FleetClient,
+    FleetFileError,
+    FleetGateway,
+    FleetSettings,
+    FleetStop,
+)
 from aioduco.integrations.fleet.proof import challenge, proof_of, proves, read_keys
 from aioduco.integrations.fleet.reports import ArmStopped, StopReport, alive_key, stop_key
 from aioduco.testing import eventually_async
@@ -127,6 +133,28 @@ async def test_nobody_answers_for_a_gateway_that_is_dead(
         assert not done.confirmed
         assert "cell" in done.missing
         assert "cell" in done.unproven
+
+
+@pytest.mark.slow
+async def test_a_gateway_that_is_started_again_during_a_stop_gets_it_too(
+    plant: FleetSettings,
+) -> None:
+    heard: list[Any] = []  # by one that dies before it answers
+    found: list[FleetStop] = []
+    async with AsyncExitStack() as stack:
+        await told_by(stack, heard.append, listen=plant.listen[0])
+        async with FleetClient(plant) as client, anyio.create_task_group() as tasks:
+
+            async def stop() -> None:
+                found.append(await client.stop(timeout=20.0))
+
+            tasks.start_soon(stop)
+            await eventually_async(lambda: heard)
+            await stack.aclose()
+            heard.clear()
+            async with FleetGateway(plant):
+                await eventually_async(lambda: found)
+    assert found[0].confirmed, found
 
 
 @pytest.mark.cases(1)
