@@ -7,8 +7,7 @@ take on open connections, while the fleet goes on.
 
 With `--gateways` instead: how soon all arms of two gateways, each a process of its own (`aioduco
 fleet serve`), are stopped from a third process, over Zenoh on loopback: from the call of
-`FleetClient.stop` until the last controller's handler is reached, and until the answer. It is kept
-as `fleet_gateway.json`.
+`FleetClient.stop` to the last handler called, and to the answer. Kept as `fleet_gateway.json`.
 """
 
 from __future__ import annotations
