@@ -114,13 +114,14 @@ def _settings(parameters: dict[str, Any]) -> NodeSettings:
 
 
 async def _serve(settings: NodeSettings) -> None:
-    # The arm is left before the portal waits for the services that still run: one that moves it
-    # ends then, with the arm at rest.
-    async with (
-        BlockingPortal() as portal,
-        arm_node(settings, wall=rospy.get_time) as node,
-        anyio.create_task_group() as tasks,
-    ):
+    portal = BlockingPortal()
+    async with contextlib.AsyncExitStack() as stack:
+        await portal.__aenter__()
+        # Last, since it waits for the services that still run: one that moves the arm ends as the
+        # arm is left. Without the error of the block, which it would put into a group.
+        stack.push_async_callback(portal.__aexit__, None, None, None)
+        node = await stack.enter_async_context(arm_node(settings, wall=rospy.get_time))
+        tasks = await stack.enter_async_context(anyio.create_task_group())
         shell = _Shell(node, portal, tasks)
         rospy.on_shutdown(lambda: _quietly(portal, tasks.cancel_scope.cancel))
         tasks.start_soon(cancel_on_signal, tasks.cancel_scope)
