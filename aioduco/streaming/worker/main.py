@@ -119,7 +119,7 @@ class StreamWorker:
             self._driver = self._make_driver(own.ready())
             block.status[StatusWord.READY] = 1
             self._wake_program()
-            self._loop(self._driver)
+            self._loop(self._driver, own)
         except ControllerError as exc:
             reason, text = Reason.REFUSED, str(exc)
         except DucoError as exc:
@@ -140,8 +140,8 @@ class StreamWorker:
                 if ended_by:
                     reason, text = ended_by, why
                     self._end_on_controller(own, reason)
-            if reason is Reason.REFUSED:
-                text += self._explanation(own)
+            if reason is Reason.REFUSED and block.status[StatusWord.REASON] != reason:
+                text += self._explanation(own)  # it has not been published yet
         except (DucoError, OSError) as exc:
             text = f"{text}; and it is not known that the arm stands: {exc}".strip("; ")
             block.status[StatusWord.UNSTOPPED] = 1
@@ -256,7 +256,7 @@ class StreamWorker:
     def _alive(self) -> None:
         self._block.status[StatusWord.BEAT] = time.monotonic_ns()
 
-    def _loop(self, driver: Driver) -> None:
+    def _loop(self, driver: Driver, own: OwnConnection) -> None:
         block, config = self._block, self._config
         clock = time.monotonic_ns
         spin = int(config.options.spin * 1e9)
@@ -289,6 +289,9 @@ class StreamWorker:
                 more = False
             status[StatusWord.TICKS] += 1
             status[StatusWord.BEAT] = now
+            if driver.life.reason is Reason.REFUSED and not more and own.idle:
+                # before it is published: a program may read it before the arm has been stopped
+                driver.life.text += self._explanation(own)
             self._publish(driver, now)
             if not more:
                 return
