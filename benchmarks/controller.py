@@ -3,10 +3,9 @@
     python controller.py [COUNT]
 
 They answer at once, on a port each, and echo bytes on a further one. A motion takes as long as was
-set by `set_system_value_double("duration", s)`, and a realtime point is taken each millisecond.
-`get_system_value_list(name)` says what came since it was last asked, or when a task ended; times
-are of CLOCK_MONOTONIC, which a client on the same machine shares. A heartbeat that does not come
-stops nothing here, but is kept as a stop at the time at which a controller would have acted.
+set by `set_system_value_double("duration", s)`; a realtime point is taken each millisecond.
+`get_system_value_list(name)` says what came since it was last asked, or when a task ended, by
+CLOCK_MONOTONIC. A heartbeat that does not come is kept as a stop when a controller would stop.
 
 The ports are printed as a line of JSON. The program ends when its standard input does; each line
 there has every connection cut, and is answered by one when that is done.
@@ -19,20 +18,21 @@ import itertools
 import json
 import math
 import os
+import selectors
 import socket
-import socketserver
 import struct
 import sys
 import threading
 import time
 from dataclasses import fields
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import thriftpy2
 from thriftpy2.protocol import TCyBinaryProtocol
 from thriftpy2.thrift import TProcessor
-from thriftpy2.transport import TCyBufferedTransport, TSocket, TTransportException
+from thriftpy2.transport import TCyBufferedTransport, TTransportException
 
 from aioduco._process.scheduling import shorten_slice
 from aioduco._wire import idl, rpc
@@ -42,6 +42,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 CYCLE = 0.001
+#: functions that answer later, or never
+WAITING = (b"speed", b"set_standard_digital_out")
 #: a servo stream without a point for longer counts as tripped, as a realtime queue does
 TRIP = 0.02
 LISTS: dict[str, Any] = {each.name: [0.1] * 7 for each in fields(rpc.RobotStatus)[:15]}
@@ -185,53 +187,88 @@ class Handlers:
         return lambda *_: answer
 
 
-class Listener(socketserver.ThreadingTCPServer):
-    """Serves each connection to a free port by a function, on a thread of its own."""
+class Ports:
+    """Every port of this process, served by one loop: 100 robots have some 800 connections."""
 
-    daemon_threads = True
-    request_queue_size = 512
-
-    def __init__(self, answer: Callable[[socket.socket], None]) -> None:
-        super().__init__(("127.0.0.1", 0), socketserver.BaseRequestHandler)
-        self.port: int = self.server_address[1]
-        self._answer = answer
+    def __init__(self) -> None:
+        self._selector = selectors.DefaultSelector()
+        self._selector.register(sys.stdin, selectors.EVENT_READ, self._drop)
         self._open: set[socket.socket] = set()
-        threading.Thread(target=self.serve_forever, daemon=True).start()
 
-    def finish_request(self, request: Any, _client: object) -> None:
-        request.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self._open.add(request)
-        # a client that goes away ends its connection, however it shows
-        with contextlib.suppress(OSError, EOFError, TTransportException):
-            self._answer(request)
-        self._open.discard(request)
+    def listen(self, connection: Callable[[socket.socket], Callable[[bytes], object]]) -> int:
+        """Listen on a free port; each connection makes what is called with the bytes that come."""
+        listener = socket.create_server(("127.0.0.1", 0), backlog=512)
+        accept = partial(self._accept, listener, connection)
+        self._selector.register(listener, selectors.EVENT_READ, accept)
+        return int(listener.getsockname()[1])
 
-    def drop(self) -> None:
-        """Cut every connection."""
-        for each in self._open.copy():
+    def _accept(self, listener: socket.socket, connection: Callable[[socket.socket], Any]) -> None:
+        sock, _ = listener.accept()
+        sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self._open.add(sock)
+        read = partial(self._read, sock, connection(sock))
+        self._selector.register(sock, selectors.EVENT_READ, read)
+
+    def _read(self, sock: socket.socket, answer: Callable[[bytes], object]) -> None:
+        came = b""
+        with contextlib.suppress(OSError):  # a client that goes away, however it shows
+            if came := sock.recv(1 << 16):
+                answer(came)
+                return
+        self._open.discard(sock)
+        self._selector.unregister(sock)
+        sock.close()
+
+    def _drop(self) -> None:
+        """Cut every connection, or end with standard input."""
+        if not os.read(sys.stdin.fileno(), 1 << 10):
+            os._exit(0)  # threads that hang in a call need no farewell
+        for each in self._open:
             with contextlib.suppress(OSError):
                 each.shutdown(socket.SHUT_RDWR)
+        print(flush=True)
 
-
-def controller(service: Any, wrapped: Any = TSocket, wire: Any = TCyBinaryProtocol) -> Listener:
-    """A port that speaks the wire."""
-    processor = TProcessor(service, Handlers())
-
-    def answer(sock: socket.socket) -> None:
-        stream = wire(TCyBufferedTransport(wrapped(sock=sock)))
+    def serve(self) -> None:
+        """Answer until standard input ends."""
         while True:
-            processor.process(stream, stream)
+            for key, _ in self._selector.select():
+                key.data()
 
-    return Listener(answer)
+
+class Calls:
+    """Answers the calls of a connection: one, which may come in pieces, or several in one."""
+
+    def __init__(self, processor: TProcessor, sock: socket.socket) -> None:
+        protocol: Any = TCyBinaryProtocol
+        self._processor = processor
+        self._wire = protocol(TCyBufferedTransport(self))
+        self._more = sock.recv
+        self._came = b""
+        self.write, self.flush = sock.sendall, int
+
+    def read(self, size: int) -> bytes:
+        came, self._came = self._came[:size], self._came[size:]
+        return came or (self._more(size) if self._first else b"")
+
+    def __call__(self, came: bytes) -> None:
+        self._came = came
+        if any(each in came for each in WAITING):
+            threading.Thread(target=self._answer, daemon=True).start()
+        else:
+            self._answer()
+
+    def _answer(self) -> None:
+        self._first = True
+        with contextlib.suppress(TTransportException):  # the end of what came
+            while True:
+                self._processor.process(self._wire, self._wire)
+                self._first = False
 
 
-def answer_echoes(sock: socket.socket) -> None:
-    """Read the sizes of request and reply once; then send a reply for each request."""
-    stream = sock.makefile("rb")
-    request, reply = struct.unpack("!II", stream.read(8))
-    data = bytes(reply)
-    while len(stream.read(request)) == request:
-        sock.sendall(data)
+def echo(sock: socket.socket) -> Callable[[bytes], None]:
+    """Takes the size of a reply, in four bytes, once; then sends one for whatever comes."""
+    reply = bytes(struct.unpack("!I", sock.recv(4))[0])
+    return lambda _: sock.sendall(reply)
 
 
 def main() -> None:
@@ -239,15 +276,11 @@ def main() -> None:
     shorten_slice(100_000)
     idl.functions()  # the structs of `rpc` know their fields then
     service = thriftpy2.load(str(idl.path()), module_name="controller_thrift").RPCRobot
-    listeners = [controller(service) for _ in range(int(sys.argv[1]) if sys.argv[1:] else 1)]
-    ports = [each.port for each in listeners]
-    print(json.dumps({"ports": ports, "echo": Listener(answer_echoes).port}), flush=True)
-    for _ in sys.stdin:
-        for each in listeners:
-            each.drop()
-        print(flush=True)
-    # threads that wait for bytes, or hang in a call, need no farewell
-    os._exit(0)
+    served = Ports()
+    processors = [TProcessor(service, Handlers()) for _ in range(int((sys.argv[1:] or ["1"])[0]))]
+    ports = [served.listen(partial(Calls, each)) for each in processors]
+    print(json.dumps({"ports": ports, "echo": served.listen(echo)}), flush=True)
+    served.serve()
 
 
 if __name__ == "__main__":

@@ -1,9 +1,8 @@
 """A fleet under one event loop: what 32 and 100 robots cost, and how soon all of them are stopped.
 
 Each robot has its heartbeat, a feed of its state at 20 Hz with a reader, and motions one after
-another. The controllers have trivial handlers and live in four other processes: in one, a hundred's
-threads wait for each other. In turn with each stop of all, as many bare sends: what the same bytes
-take on open connections, while the fleet goes on.
+another. The controllers have trivial handlers and live in another process. In turn with each stop
+of all, as many bare sends: what the same bytes take on open connections, while the fleet goes on.
 
 With `--gateways` instead: how soon all arms of two gateways, each a process of its own (`aioduco
 fleet serve`), are stopped from a third process, over Zenoh on loopback: from the call of
@@ -52,7 +51,7 @@ if TYPE_CHECKING:
 
 NAMES = ("one", "two")
 GUARDS: dict[str, GuardKind | None] = {"without guard": None, "with guard": "process"}
-FEED_RATE, SERVERS = 20.0, 4
+FEED_RATE = 20.0
 #: s that each motion takes
 MOTION = 2.0
 #: s between two stops, five samples: what asking for the last stops held up is over
@@ -144,10 +143,8 @@ async def measure(
 
 def served(count: int, guard: GuardKind | None, seconds: float, stops: int) -> dict[str, Any]:
     """One fleet and its controllers."""
-    with ExitStack() as stack:
-        parts = [ServerProcess(CONTROLLER, str(count // SERVERS)) for _ in range(SERVERS)]
-        ports = [port for part in parts for port in stack.enter_context(part).ports]
-        return anyio.run(measure, ports, guard, seconds, stops)
+    with ServerProcess(CONTROLLER, str(count)) as server:
+        return anyio.run(measure, server.ports, guard, seconds, stops)
 
 
 def files(folder: Path, ports: list[int]) -> list[Path]:

@@ -1,16 +1,14 @@
 """How soon a stop is with the controller when things go badly, and how late an end is noticed.
 
-Three tables. The first: from the call of a stop to the controller's handler, while the pool is
-blocked, while the event loop works in bursts, and just after every connection broke. The clock
-starts in the thread that stops, when it calls: what it waited before, to get to run in a busy
-program, is not counted, nor is its wait for the answer. The second: from the death of the program,
-or of its guard, or from the beginning of a hang of the event loop, until the controller is told to
-stop, or stops by itself since the heartbeat is over. Both are measured with and without the guard.
-The third: from the end of a motion until the program knows of it, beside the loops that
-applications write. It is kept as a result of its own, `supervision.json`.
+Three tables. From the call of a stop to the controller's handler, in the thread that calls: while
+the pool is blocked, while the event loop works in bursts, and just after every connection broke.
+From the death of the program or of its guard, or from a hang of the event loop, until the
+controller is told to stop, or stops by itself since the heartbeat is over. Both with the guard and
+without. And from the end of a motion until the program knows of it, beside the loops that
+applications write; kept as a result of its own, `supervision.json`.
 
-The controller is a process of its own with trivial handlers; all read CLOCK_MONOTONIC. It gives no
-slack: it stops as soon as the heartbeat time is over. One that gives slack stops so much later.
+The controller has trivial handlers and gives no slack: it stops as soon as the heartbeat time is
+over. All clocks are CLOCK_MONOTONIC.
 """
 
 from __future__ import annotations
@@ -138,9 +136,6 @@ async def compared(lane: WireLane, server: ServerProcess, count: int) -> dict[st
                     os.sched_setaffinity(int(thread), CORES)
             await latencies(Desk(robot, lane, server), late[name], count // TURNS)
     return {name: spreads(times, "stops") for name, times in late.items()}
-
-
-# -- the end of a motion -----------------------------------------------------------------------
 
 
 async def followed(desk: Desk, motion: aioduco.MotionCommand) -> float:
@@ -277,9 +272,6 @@ async def deaths(lane: WireLane, guard: GuardKind | None, count: int) -> Figures
             begin = case(victim)
             late[name].append(await first_stop(lane, begin) - begin)
     return spreads(late, "times")
-
-
-# -- all of it ---------------------------------------------------------------------------------
 
 
 async def measure(server: ServerProcess, quick: bool) -> dict[str, Any]:

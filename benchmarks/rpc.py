@@ -85,7 +85,7 @@ def bare_socket(
 ) -> Callable[[], object]:
     sock = stack.enter_context(socket.create_connection((HOST, port)))
     sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-    sock.sendall(struct.pack("!II", request, reply))
+    sock.sendall(struct.pack("!I", reply))
     data = bytes(request)
 
     def call() -> None:
@@ -194,9 +194,6 @@ def judged(calls: dict[str, Figures]) -> Figures:
             ratio = round(ours / figures[other]["p50_us"], 2)
             asked[f"{name}: p50 to {other}'s"] = at_most(limit, ratio)
     return asked
-
-
-# -- through a tap ------------------------------------------------------------------------------
 
 
 @contextlib.contextmanager

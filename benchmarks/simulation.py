@@ -77,9 +77,6 @@ LENGTH, SWINGS = 0.3, 300
 SHAPES = TRIANGLE, SINE, CIRCLE, TRAPEZOID, EIGHT = range(1, 6)
 
 
-# -- a simulator in a process of its own ---------------------------------------------------------
-
-
 def law(push: float) -> tuple[Any, Any, Any, Any, Any]:
     """Of force control that keeps up a force along the tool's z, which nothing answers."""
     along = (False, False, True, False, False, False)
@@ -143,9 +140,6 @@ def calls_a_second(seconds: float) -> int:
     return round(len(durations) / sum(durations))
 
 
-# -- planner and physics alone -------------------------------------------------------------------
-
-
 class GivingWay:
     """Force control between planner and physics, which moves the tool to and fro all the time."""
 
@@ -197,9 +191,6 @@ def cycles(repeats: int, *, forced: bool) -> dict[str, Any]:
         "both_us": round(percentile(both, 50) * 1e6, 2),
         "cycles": len(both),
     }
-
-
-# -- long plans: how long others wait while a motion is planned ----------------------------------
 
 
 class WatchedLock:
@@ -323,9 +314,6 @@ def judged_plans(quick: bool) -> Rows:
         "longest stop while planning, median of three [ms]": at_most(WAIT, again),
         "longest stop while nothing is planned [ms]": {"asked": "", "found": idle, "reached": ""},
     }
-
-
-# -- all of it -----------------------------------------------------------------------------------
 
 
 def main() -> None:

@@ -2,21 +2,19 @@
 
     python benchmarks/streaming.py [--quick] [--save]
 
-All alternatives stream to the same server process and take turns in slices, so that whatever
-else the machine does meets them all.
+All alternatives stream to the same server process and take turns in slices, whatever else the
+machine does.
 
     process     a worker in a process of its own, the default
-    without priority  the same, but that it never goes first, as `process` does once it wakes late
+    without priority  the same, but it never goes first, as `process` does once it wakes late
     urgent      the same under SCHED_FIFO from the start, where the system allows it
     thread      the same worker in a thread of the program
     loop        no worker: a task of the program sleeps to each tick and awaits the call
-    bare        no stream at all: a loop on each processor that only sleeps to each tick, beside
-                `process`, for the machine's own noise
+    bare        a loop on each processor that only sleeps to each tick, beside `process`
     busy        the program's event loop works in bursts of 15 ms, with pauses of 15 ms
 
-A stream whose set-points are further apart than 20 ms lets a controller trip. The last cases are
-against the simulated arm, in a process of its own, with the program's loop busy. Asked for is a p99
-of lateness of at most 250 µs.
+A controller trips if set-points are further apart than 20 ms. The last cases are against the
+simulated arm in a process of its own. Asked for is a p99 of lateness of at most 250 µs.
 """
 
 from __future__ import annotations
@@ -154,9 +152,6 @@ def bare_loops(found: Lateness) -> Iterator[None]:
         for core in CORES:
             stack.enter_context(bare_loop(found, RATE, core))
         yield
-
-
-# -- the alternatives, at a controller without an arm ---
 
 
 async def lane_rate(port: int, count: int) -> float:
@@ -312,9 +307,6 @@ async def starvation(port: int, quick: bool) -> Rows:
     }
     starved = await accounts(port, "starvation", runs, slices, busy=True)
     return {name: {"starved_cycles": cycles} for name, cycles in starved.items()}
-
-
-# -- the simulated arm ---
 
 
 async def simulated(quick: bool) -> Rows:
