@@ -121,7 +121,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         f"(default: {_FRAMES[False]}, with --thorough {_FRAMES[True]})",
     )
     group.addoption(
-        "--frames-json", metavar="FILE", help="where that test writes what came of them"
+        "--frames-save", action="store_true", help="keep what came of them in benchmarks/results"
     )
 
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import math
 import time
 from collections import Counter
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -35,7 +35,7 @@ def peak(pid: int) -> int:
 @pytest.mark.slow
 @pytest.mark.timeout(0)
 def test_a_server_that_is_sent_anything_goes_on(
-    pytestconfig: pytest.Config, totals: Counter[str]
+    pytestconfig: pytest.Config, totals: Counter[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     frames: int = pytestconfig.getoption("frames")
     seed: int = pytestconfig.getoption("seed")
@@ -59,9 +59,10 @@ def test_a_server_that_is_sent_anything_goes_on(
             assert client.call("power_off", block=True) == 4
             assert client.call("get_robot_state")[0] == 4
     totals.update({"hostile frames": frames})
-    if where := pytestconfig.getoption("frames_json"):
+    if pytestconfig.getoption("frames_save"):
         figures: dict[str, Any] = {
-            "command": f"pytest tests/sim/test_hostile.py --frames {frames} --seed {seed}",
+            "command": f"pytest tests/sim/test_hostile.py --frames {frames} --seed {seed} "
+            "--frames-save",
             "fuzzer": "a seeded mutator of valid frames, see tests/sim/hostile.py",
             "frames": dict(outcome.frames),
             "answers": dict(outcome.answers),
@@ -74,7 +75,8 @@ def test_a_server_that_is_sent_anything_goes_on(
             "batches_that_found_the_arm_enabled": outcome.enabled,
             "probe_ms": percentiles(outcome.probes),
         }
-        Path(where).write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+        monkeypatch.syspath_prepend(pytestconfig.rootpath / "benchmarks")
+        import_module("_common").write_results("hostile", figures)
 
 
 @pytest.mark.slow
