@@ -33,7 +33,6 @@ _SIMPLER = 0.85
 _LIKELY = 0.6
 #: largest share of the carried mass that a loss may seem to be
 _LOST = 1.4
-_DOWN = np.array([0.0, 0.0, -9.81])
 
 
 class Friction(NamedTuple):
@@ -131,7 +130,7 @@ class PatternFit:
         friction, speeds = self._friction, deviation.speeds
         rest = np.zeros(6) if external is None else friction.residual(external, speeds)
         lever = deviation.jacobian.T  # torques for a force at the flange
-        weight = _DOWN - deviation.acceleration
+        weight = deviation.weight
         columns = np.column_stack((lever @ weight, lever, friction.torque(speeds)))
         weighted = columns.T * self._weight
         a, b = weighted @ columns, weighted @ rest

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 import numpy as np
 
 from aioduco.kinematics.forward import frames
+from aioduco.kinematics.mounting import gravity
 from aioduco.models.enums import ProgramState, RobotState
 from aioduco.models.pose import Pose
 from aioduco.sim.twin.data import Six, TwinCommand, TwinSample
@@ -45,7 +46,7 @@ class Deviation(NamedTuple):
         external: observed external torques [N m], shape (6,); None if they are not reported.
         force: force at the tool minus that at the beginning [N], shape (3,); None without a sensor.
         jacobian: of the flange's position, shape (3, 6) [m/rad].
-        acceleration: acceleration of the flange [m/s²]. Shape (3,).
+        weight: what a kilogram at the flange weighs there, its inertia included [N/kg]. Shape (3,).
         tracking: set-points minus joints [rad]. Shape (6,).
         position, angle: distance of the tool's pose from the one computed from the joints [m, rad];
             None if the pose or the tool is not known.
@@ -60,7 +61,7 @@ class Deviation(NamedTuple):
     external: Array | None
     force: Array | None
     jacobian: Array
-    acceleration: Array
+    weight: Array
     tracking: Array
     position: float | None
     angle: float | None
@@ -86,6 +87,7 @@ class Predictor:
         self._tool = None if tool is None else tool.matrix
         self._base = None if mounting is None or not any(mounting) else mounting.matrix
         self._before: tuple[float, Array] | None = None
+        self._down = gravity("floor" if mounting is None else mounting)
         self._acceleration = np.zeros(3)
         self._bare: Array | None = None
         #: motions that were commanded while the rehearsal was blind
@@ -132,7 +134,7 @@ class Predictor:
             None if sample.external is None else np.array(sample.external),
             force,
             lever,
-            self._acceleration,
+            self._down - self._acceleration,
             np.array(sample.expected) - q,
             position,
             angle,

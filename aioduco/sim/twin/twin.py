@@ -25,6 +25,7 @@ from aioduco.errors import DucoError, ParameterError, RobotStateError
 from aioduco.kinematics import arm as arm_of
 from aioduco.kinematics.catalogue import model_named
 from aioduco.models.pose import Pose, PoseLike
+from aioduco.models.ranges import POSE
 from aioduco.models.rules import Flag
 from aioduco.models.trace import CallFinished, TraceEvent
 from aioduco.models.words import one_of
@@ -103,7 +104,7 @@ class Twin(Uncopied):
         self.limits: TwinLimits | None = limits
         self._action = action
         self._model = None if arm is None else arm_of(arm).name
-        self._mounting = None if mounting is None else Pose.of(mounting)
+        self._mounting = None if mounting is None else Pose(*POSE("mounting", mounting))
         self._commands = _COMMANDS("commands", commands)
         self._queue: SimpleQueue[object] = SimpleQueue()
         self._received: deque[TwinUpdate | Exception] = deque()

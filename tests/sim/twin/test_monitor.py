@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pytest
 from for_each import for_each
 
 from aioduco.kinematics import arm as arm_of
+from aioduco.kinematics.mounting import base_in_world, gravity
 from aioduco.models.enums import RobotState, SafetyState
+from aioduco.models.pose import Pose
 from aioduco.sim.twin.data import Cause, Divergence, Quantity, TwinCommand
 from aioduco.sim.twin.limits import TwinLimits, deviations, learn
 from aioduco.sim.twin.monitor import TwinMonitor
@@ -45,8 +47,8 @@ def rubbed() -> PerfectArm:
     return arm
 
 
-def monitor(*, commands: bool = True) -> TwinMonitor:
-    return TwinMonitor(ARM, NARROW, tool=NOWHERE, commands=commands)
+def monitor(*, commands: bool = True, mounting: Pose | None = None) -> TwinMonitor:
+    return TwinMonitor(ARM, NARROW, tool=NOWHERE, mounting=mounting, commands=commands)
 
 
 def said(watching: TwinMonitor, items: Iterable[Any]) -> list[Divergence]:
@@ -108,6 +110,19 @@ def test_torques_have_a_cause(torques: Any, cause: Cause) -> None:
     assert found[0].cause is cause, str(found[0])
     assert found[0].since > 0.9
     assert found[0].at - found[0].since < 0.5
+
+
+@pytest.mark.parametrize("mounting", ["wall", "ceiling"])
+def test_a_payload_hangs_down_wherever_the_arm_is_mounted(
+    mounting: Literal["wall", "ceiling"],
+) -> None:
+    arm = PerfectArm()
+    x, y, z = (0.5 * gravity(mounting)).tolist()
+    arm.torques = pushed((x, y, z), at=0.5)
+    arm.changes["pose"] = None
+    found = said(monitor(mounting=base_in_world(mounting, ARM)), work(arm, movej2(*THERE)))
+    assert {each.cause for each in found} == {Cause.PAYLOAD}
+    assert found[0].estimate["mass [kg]"] == pytest.approx(0.5, abs=0.15)
 
 
 @pytest.mark.slow

@@ -13,6 +13,7 @@ from .arms import ARM
 SPEEDS = np.array([0.5, -0.4, 0.3, 0.6, -0.5, 0.2])
 NORMAL = Friction(0.03 * np.array(ARM.effort), np.zeros(6), np.zeros(6))
 NOISE = 0.003 * np.array(ARM.effort)
+DOWN = np.array([0.0, 0.0, -9.81])
 
 
 #: torques of the joints for a force at the flange
@@ -26,7 +27,7 @@ def fit_of(external: np.ndarray | None, *, force: np.ndarray | None = None) -> P
         torque = None if external is None else external + NORMAL.torque(SPEEDS)
         found = fit.update(
             Deviation(
-                count * 0.008, 0.008, SPEEDS, SPEEDS, torque, force, LEVER.T, np.zeros(3),
+                count * 0.008, 0.008, SPEEDS, SPEEDS, torque, force, LEVER.T, DOWN,
                 np.zeros(6), None, None, None, True,
             )
         )  # fmt: skip
