@@ -345,6 +345,10 @@ def test_in_a_terminal_it_shows_the_arm_and_stops_it() -> None:
             task.wait()
         assert not sim.moving
         task = moving(sim, robot, -1.0)
+        shown.press(b"p")
+        shown.until_it_shows(b"paused: the arm stands")
+        shown.press(b"r")
+        shown.until_it_shows(b"resumed")
         shown.press(b"q")
         assert shown.exit_code() == 0
         sim.speed = 10.0

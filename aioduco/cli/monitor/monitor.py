@@ -54,7 +54,13 @@ def monitor(
     from aioduco.cli.safe_console import SafeConsole  # noqa: PLC0415 - for this command alone
 
     robot = aioduco.connect(
-        address.host, address.port, heartbeat=None, state_rate=rate, lag_limit=None
+        address.host,
+        address.port,
+        heartbeat=None,
+        state_rate=rate,
+        lag_limit=None,
+        # a robot that is left stops what it resumed; quitting stops nothing
+        closing_steps=aioduco.ClosingSteps(stop=None, standstill=None),
     )
     robot.feed.forces = forces
     console = SafeConsole()
