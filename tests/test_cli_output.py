@@ -218,6 +218,21 @@ def test_without_a_standard_input_no_question_is_confirmed(
     assert typed_line("touch 1: ") is None
 
 
+def test_what_is_typed_in_another_encoding_is_a_wrong_answer() -> None:
+    """As a name in Latin-1, which ended hand guiding by a traceback."""
+    program = (
+        "import aioduco.cli.output as o; from aioduco.cli.questions import ask, typed_line\n"
+        "o.guard_streams(); o.say(ascii(typed_line('name: ')))\n"
+        "ask('The arm will move.', 'Move the arm?', yes=False)\n"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, check=False, input=b"caf\xe9\n\xff\n",
+        env={**os.environ, "PYTHONIOENCODING": "utf-8:strict"},
+    )  # fmt: skip
+    assert ended.stdout.strip() == b"'caf\\udce9'"
+    assert b"not confirmed" in ended.stderr
+
+
 @pytest.mark.linux("descriptors that a child inherits by number")
 @pytest.mark.slow  # a process
 def test_no_socket_takes_the_number_of_a_closed_stream() -> None:

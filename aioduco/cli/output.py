@@ -156,10 +156,13 @@ class _ShownFormatter(logging.Formatter):
 def guard_streams() -> None:
     """Let warnings of the library, and the traceback that ends the program, pass `shown`, too.
 
-    What the encoding of an output lacks, such as Chinese in a file of Windows, is spelled out.
-    Streams that are closed become empty ones.
+    What the encoding of an output lacks, such as Chinese in a file of Windows, is spelled out; what
+    is typed in another encoding is taken, and refused as a name. Streams that are closed become
+    empty ones.
     """
     _open_closed_streams()
+    if isinstance(sys.stdin, io.TextIOWrapper):
+        sys.stdin.reconfigure(errors="surrogateescape")
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
