@@ -87,6 +87,15 @@ def test_a_command_that_moves_keeps_the_limits_of_the_cell(tmp_path: Path) -> No
                      "--cell", str(file))  # fmt: skip
         assert (called.exit_code, "table" in told(called)) == (1, True)
         assert not sim.tasks
+        checked = run("check", "left", "--move", "--yes", "--cell", str(file))
+        assert (checked.exit_code, "--cell" in told(checked)) == (2, True)
+        assert not sim.tasks
+        text = file.read_text().replace("[0, 0, 0.1]", "[0, 0, 0.75]")
+        file.write_text(text.replace("[0, 0, 1]", "[0, 0, -1]"))
+        recorded = run("check", "left", "--motions", str(tmp_path / "run.mcap"), "--reach", "1.5",
+                       "--yes", "--cell", str(file))  # fmt: skip
+        assert (recorded.exit_code, "table" in told(recorded)) == (1, True)
+        assert not sim.tasks
 
 
 @pytest.mark.slow

@@ -11,10 +11,10 @@ import typer
 from aioduco.cli.addresses import CellFile, Port, RobotAddress, robot_at
 from aioduco.cli.cell_file import is_cell, load_cell
 from aioduco.cli.exit_codes import ended_by_errors, write_file, writing
-from aioduco.cli.options import numbers, refuse_unused, require_writable
+from aioduco.cli.options import numbers, refuse_unused, require_writable, wrong_option
 from aioduco.cli.output import say
 from aioduco.cli.questions import SAFE, ask
-from aioduco.cli.sessions import observing_session, require_still_at
+from aioduco.cli.sessions import limits_at, observing_session, require_still_at
 from aioduco.cli.status import look
 from aioduco.models.numpy_on_use import json_value
 
@@ -104,7 +104,21 @@ def check(
         if bundle is None:
             refuse_unused(context, "--bundle", "ids")
         address = robot_at(target, port, cell)
+        if move:
+            _refuse_limits(address)
         _controller(address, move=move, yes=yes, output=output, bundle=bundle, ids=ids)
+
+
+def _refuse_limits(address: RobotAddress) -> None:
+    """Refuse a cell with limits: the checks speak the wire, and keep none."""
+    with wrong_option():
+        limits = limits_at(address)
+    if limits is not None:
+        raise typer.BadParameter(
+            "the checks that move the arm do not keep the limits of this cell: give the arm's "
+            "address instead, if its first joint may turn by 6 degrees and its last one by 17",
+            param_hint="--cell",
+        )
 
 
 def _controller(
@@ -157,6 +171,8 @@ def _motions(address: RobotAddress, path: Path, extent: Extent, *, yes: bool) ->
 
     from aioduco.cli.measuring import measure  # noqa: PLC0415
 
+    with wrong_option():
+        limits = limits_at(address)
     reach = extent.reach
     brakes = (
         f" Then its brakes close and its power goes off and on, {extent.changes} times."
@@ -186,6 +202,7 @@ def _motions(address: RobotAddress, path: Path, extent: Extent, *, yes: bool) ->
             measure,
             *(address.host, address.port, path, extent),
             lambda text: say(f"... {text}", error=True),
+            limits,
         )
     say(f"recorded to {path}; `aioduco calibrate {path}` makes a profile of it")
 

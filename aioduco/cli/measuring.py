@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
     from pathlib import Path
 
+    from aioduco.envelope import Envelope
     from aioduco.models.pose import Pose
     from aioduco.robot import Robot
 
@@ -85,7 +86,12 @@ class Extent:
 
 
 async def measure(
-    host: str, port: int, path: Path, extent: Extent, progress: Callable[[str], object]
+    host: str,
+    port: int,
+    path: Path,
+    extent: Extent,
+    progress: Callable[[str], object],
+    limits: Envelope | None = None,
 ) -> Path:
     """Move an enabled arm around where it is, and record what is needed to calibrate it.
 
@@ -95,6 +101,7 @@ async def measure(
         path: the recording.
         extent: how far and how long.
         progress: called with what is done next.
+        limits: limits that each motion keeps; None for none.
 
     Returns:
         The recording: another one than `path` if that existed.
@@ -106,6 +113,7 @@ async def measure(
     # Until then, another one beats in the same program: without the one, the other ends, too.
     moving = aioduco.connect(host, port, record=path, state_rate=_RATE, heartbeat=None)
     async with moving as robot:
+        robot.envelope = limits
         async with aioduco.connect(host, port):
             states = await robot.state.get_robot_state()
             if states.robot is not RobotState.ENABLE:
