@@ -195,6 +195,8 @@ class Carrier(ABC):
         self._loop = loop
         self._endpoint = endpoint
         self._waiting = waiting
+        #: whether the calls that wait are being taken: their ends do not take others
+        self._taking = False
         self.call: LaneCall | None = None
 
     @property
@@ -227,13 +229,21 @@ class Carrier(ABC):
     def _end(self, value: Any = None, error: BaseException | None = None) -> None:
         call, self.call = self.call, None
         try:
+            if not self._taking:
+                self._take_next()
+        finally:  # there may be no memory to send the next call
+            if call is not None:
+                call.end(value, error)
+
+    def _take_next(self) -> None:
+        self._taking = True
+        try:
             while self._waiting and self.call is None:
                 following = self._waiting.popleft()
                 if not following.over.done() and self.take(following):
                     self.send(following)
-        finally:  # there may be no memory to send the next call
-            if call is not None:
-                call.end(value, error)
+        finally:
+            self._taking = False
 
 
 class Channel(Carrier):

@@ -8,6 +8,7 @@ from typing import Any
 
 import anyio
 import pytest
+from for_each import for_each
 
 from aioduco._wire.lane import WireLane
 from aioduco.errors import ConnectionLost, NotSent, OutcomeUnknown, RobotStateError
@@ -134,6 +135,26 @@ async def test_a_permit_is_asked_when_a_call_is_sent_and_not_before() -> None:
         assert server.names == ["pause", "get_global_speed"]
         assert raised == [permit.error]
         assert permit.asked == 1
+
+
+@for_each("late", [False, True])
+async def test_any_number_of_calls_that_wait_may_be_refused_in_their_turn(late: bool) -> None:
+    gate, permit = Gate(), Permit()
+    async with opened(gate, call_timeout=PATIENCE) as (lane, server):
+        calls = [lane.prepare("pause", (True,))]
+        calls += [lane.prepare("abort", (True,), PATIENCE, permit) for _ in range(1000)]
+        for call in calls:
+            lane.send(call)
+        if not late:
+            permit.error = RobotStateError("the arm is being stopped")
+        for call in calls[1:] if late else ():
+            call.deadline = 0.0  # a busy loop hears of the answer first, then of the time
+        gate.open()
+        for call in calls:
+            assert await call.wait(PATIENCE)
+        assert {type(call.error) for call in calls[1:]} == {NotSent if late else RobotStateError}
+        assert await lane.rpc.stop(True) == 0
+        assert server.names == ["pause", "stop"]
 
 
 async def test_a_permit_is_asked_again_on_another_connection() -> None:
