@@ -62,8 +62,19 @@ _BAD_ENDS: Final = {
 }
 
 
-class _Motion(NamedTuple):
+#: difference of the clocks from which on the wall clock was set, or the computer slept [ns]
+_CLOCK_SET: Final = 100_000_000
+
+
+class _TimedSpan(NamedTuple):
+    """A span, and the time of the wall clock when the monotonic clock is 0 at its start [ns]."""
+
     span: Span
+    epoch: int
+
+
+class _Motion(NamedTuple):
+    timed: _TimedSpan
     function: str
     began: float
 
@@ -137,8 +148,8 @@ class Telemetry(Uncopied):
             "s",
             "longest time between two answered beats",
         )
-        #: time of the wall clock when the monotonic clock is 0 [ns]
-        self._epoch = time.time_ns() - time.monotonic_ns()
+        #: as of the newest span
+        self._epoch = _epoch()
         #: motions that have not ended, by task id
         self._motions: dict[int, _Motion] = {}
         self._lock = threading.Lock()
@@ -152,8 +163,8 @@ class Telemetry(Uncopied):
             self._server = {"server.address": host, "server.port": port}
             self._opened.add(1, {**self._named(lane=event.lane), **self._server})
         elif isinstance(event, ProcedureFinished):
-            span = self._span(f"duco.{event.name}", event.at - event.duration)
-            self._end(span, event.at, _outcome(event.error), event.error)
+            timed = self._span(f"duco.{event.name}", event.at - event.duration)
+            self._end(timed, event.at, _outcome(event.error), event.error)
 
     @asynccontextmanager
     async def watching(self, robot: Robot) -> AsyncIterator[None]:
@@ -223,10 +234,10 @@ class Telemetry(Uncopied):
             if event.lane in _OF_THE_PACKAGE:
                 within = Context()
             elif motion is not None:
-                within = trace.set_span_in_context(motion.span)
-            span = self._span(f"duco.{event.function}", began, within, SpanKind.CLIENT)
-            span.set_attributes({"duco.lane": event.lane, **self._server})
-            self._end(span, event.at, outcome, event.error)
+                within = trace.set_span_in_context(motion.timed.span)
+            timed = self._span(f"duco.{event.function}", began, within, SpanKind.CLIENT)
+            timed.span.set_attributes({"duco.lane": event.lane, **self._server})
+            self._end(timed, event.at, outcome, event.error)
         if event.function == _ASK and event.arguments:
             self._ended(int(event.arguments[0]), event)
 
@@ -235,9 +246,9 @@ class Telemetry(Uncopied):
         number = event.result
         if event.lane != _MOTIONS or type(number) is not int or number <= 0:
             return None
-        span = self._span(f"duco.motion {event.function}", began)
-        span.set_attribute("duco.task.id", number)
-        motion = _Motion(span, event.function, began)
+        timed = self._span(f"duco.motion {event.function}", began)
+        timed.span.set_attribute("duco.task.id", number)
+        motion = _Motion(timed, event.function, began)
         with self._lock:
             before = self._motions.pop(number, None)
             self._motions[number] = motion
@@ -263,7 +274,7 @@ class Telemetry(Uncopied):
             attributes["error.type"] = outcome
         self._tasks.add(1, attributes)
         self._times.record(at - motion.began, attributes)
-        self._end(motion.span, at, outcome, None)
+        self._end(motion.timed, at, outcome, None)
 
     def _span(
         self,
@@ -271,29 +282,35 @@ class Telemetry(Uncopied):
         began: float,
         within: Context | None = None,
         kind: SpanKind = SpanKind.INTERNAL,
-    ) -> Span:
+    ) -> _TimedSpan:
         """Begin a span, in the caller's own one if no other context is given."""
-        attributes = self._named()
-        return self._tracer.start_span(
-            name, within, kind, attributes=attributes, start_time=self._wall(began)
+        epoch = _epoch()
+        if abs(epoch - self._epoch) > _CLOCK_SET:
+            self._epoch = epoch
+        span = self._tracer.start_span(
+            name, within, kind, attributes=self._named(), start_time=self._epoch + int(began * 1e9)
         )
+        return _TimedSpan(span, self._epoch)
 
-    def _end(self, span: Span, at: float, outcome: str, error: BaseException | None) -> None:
+    def _end(self, timed: _TimedSpan, at: float, outcome: str, error: BaseException | None) -> None:
+        span, epoch = timed
         span.set_attribute("duco.outcome", outcome)
         if error is not None or outcome in _BAD_ENDS:
             span.set_attribute("error.type", outcome)
             told = _BAD_ENDS[outcome] if error is None else str(error)
             span.set_status(StatusCode.ERROR, told)
-        span.end(self._wall(at))
-
-    def _wall(self, at: float) -> int:
-        return self._epoch + int(at * 1e9)
+        span.end(epoch + int(at * 1e9))
 
     def _named(self, **attributes: Any) -> dict[str, Any]:
         return {
             "duco.robot": self._robot,
             **{f"duco.{name}": value for name, value in attributes.items()},
         }
+
+
+def _epoch() -> int:
+    """The time of the wall clock when the monotonic clock is 0 [ns]."""
+    return time.time_ns() - time.monotonic_ns()
 
 
 def _outcome(error: BaseException | None) -> str:

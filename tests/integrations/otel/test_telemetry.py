@@ -178,6 +178,24 @@ def test_a_call_has_its_time_and_its_error() -> None:
     assert not backend.spans("duco.motion movel")
 
 
+def test_a_wall_clock_that_was_set_moves_later_spans_alone(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    backend, day, now = Backend(), 86_400 * 10**9, time.time_ns
+    telemetry = backend.telemetry()
+    telemetry(called("movel", 7))
+    monkeypatch.setattr(time, "time_ns", lambda: now() + day)
+    telemetry(called("movej", 8))
+    for task in (7, 8):
+        telemetry(called("get_noneblock_taskstate", 4, task, lane="poll"))
+    (before,), (after,) = (backend.spans(f"duco.motion {name}") for name in ("movel", "movej"))
+    for span, step in ((before, 0), (after, day)):
+        assert span.start_time is not None
+        assert span.end_time is not None
+        assert span.start_time == pytest.approx(now() + step, abs=60e9)
+        assert span.end_time - span.start_time < 60e9
+
+
 def test_errors_and_the_controller_have_opentelemetrys_names() -> None:
     backend = Backend()
     telemetry = backend.telemetry()
