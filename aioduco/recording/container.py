@@ -128,7 +128,8 @@ class McapFile:
     def _records(self, file: BinaryIO, size: int) -> Iterator[McapMessage]:
         for kind, record in _top_records(file, size):
             if kind == DATA_END:
-                self.complete = True
+                file.seek(size - len(MAGIC))
+                self.complete = file.read() == MAGIC  # without it, the summary was cut off
                 return
             if kind != CHUNK:
                 self._spend(len(record))

@@ -201,7 +201,7 @@ def test_a_damaged_record_ends_what_is_read(kind: int, content: bytes, tmp_path:
         channel(1, "/io"),
         message(1, b'{"a": 1}', 5),
     ]
-    after = [before[-1], record(DATA_END, b"\0" * 4)]
+    after = [before[-1], record(DATA_END, b"\0" * 4), MAGIC]
     path.write_bytes(MAGIC + b"".join([*before, *after]))
     assert read(path).complete
     path.write_bytes(MAGIC + b"".join([*before, record(kind, content), *after]))
@@ -211,6 +211,15 @@ def test_a_damaged_record_ends_what_is_read(kind: int, content: bytes, tmp_path:
     assert [each.data for each in found.messages()] == [{"a": 1}]
 
 
+def test_a_file_that_was_cut_off_after_its_messages_is_not_complete(tmp_path: Path) -> None:
+    """Other readers need what was there: a summary, and the end."""
+    path = tmp_path / "cut.mcap"
+    data = MAGIC + channel(1, "/io") + message(1, b"{}") + record(DATA_END, b"\0" * 4)
+    for end, complete in ((record(2, bytes(20)) + MAGIC, True), (record(2, bytes(20)), False)):
+        path.write_bytes(data + end)
+        assert (read(path).complete, read(path).topics) == (complete, {"/io": 1})
+
+
 def test_a_damaged_begin_is_that_of_the_first_message(tmp_path: Path) -> None:
     path = tmp_path / "bad.mcap"
     records = [
@@ -218,6 +227,7 @@ def test_a_damaged_begin_is_that_of_the_first_message(tmp_path: Path) -> None:
         channel(1, "/io"),
         message(1, b'{"a": 1}', 5),
         record(DATA_END, b"\0" * 4),
+        MAGIC,
     ]
     path.write_bytes(MAGIC + b"".join(records))
     found = read(path)
