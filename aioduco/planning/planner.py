@@ -143,8 +143,9 @@ class Planner(Closable):
             v: largest speed of each joint, 0.000175 to 3.93, one number or six [rad/s].
             a: largest acceleration of each joint, from 0.000175 [rad/s²].
             jerk: largest jerk of each joint [rad/s³]; None: 10 times the acceleration, per s.
-            upright: whether the tool may turn about the vertical only, like an open cup; it must
-                be upright at the goals as at the start.
+            upright: whether the tool may turn about the vertical only, like an open cup. At the
+                goal it must be upright as at the start, within 0.02 rad, which the plan leaves
+                out; no joint goes further than half a turn.
             timeout: time-out of the search, 0.001 to 600 [s].
 
         Returns:

@@ -165,12 +165,12 @@ def _free(
         space = branch = UprightPathSpace(arm, checker, start, problem.up, problem.tip)
     reached = _configurations(problem)
     if branch is not None:
-        reached = [q for q in reached if branch.same_branch(q.tolist())]
-        if not reached:
-            raise GoalOutOfReach(
-                "an upright tool keeps its branch (shoulder, elbow, wrist), and no goal has the "
-                "start's: go there without `upright`, or by joints"
-            )
+        whys = [branch.why_not(q) for q in reached]
+        if all(whys):
+            own = [branch.same_branch(q.tolist()) for q in reached]
+            which = own.index(True) if any(own) else 0
+            raise GoalOutOfReach(whys[which], joints=reached[which].tolist())
+        reached = [q for q, why in zip(reached, whys, strict=True) if not why]
     clearances = [checker.clearance(q) for q in reached]
     if not any(each.distance >= -TOUCHING for each in clearances):
         raise _goal_in_collision(problem, reached, clearances)
@@ -185,7 +185,7 @@ def _free(
         for other in _turned(q, arm)
     ]
     if branch is not None:
-        further = [(q, c) for q, c in further if branch.same_branch(q.tolist())]
+        further = [(q, c) for q, c in further if not branch.why_not(q)]
     padding = checker.padding
     near = [
         (q, each.distance)
@@ -296,11 +296,8 @@ def _configurations(problem: PlanningProblem) -> list[Points]:
     found: list[Points] = []
     for goal in problem.goals:
         if isinstance(goal, Joints):
-            if not arm.within_limits(goal):
-                raise GoalOutOfReach(
-                    f"{_degrees(goal.array)} is beyond the joint limits", joints=goal
-                )
-            found.append(clipped(goal, arm.lower, arm.upper))
+            if arm.within_limits(goal):
+                found.append(clipped(goal, arm.lower, arm.upper))
             continue
         for pose in _poses(goal):
             for q in arm.ikine_all(pose @ back):
@@ -308,7 +305,12 @@ def _configurations(problem: PlanningProblem) -> list[Points]:
                 if turned is not None:
                     found.append(np.array(turned))
     if not found:
-        pose = next(_poses(goal)[0] for goal in problem.goals if not isinstance(goal, Joints))
+        first = problem.goals[0]
+        if isinstance(first, Joints):
+            raise GoalOutOfReach(
+                f"{_degrees(first.array)} is beyond the joint limits", joints=first
+            )
+        pose = _poses(first)[0]
         try:
             arm.ikine(pose @ back, start)
         except Unreachable as error:

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from aioduco.errors import GoalOutOfReach
 from aioduco.kinematics.single import nearest_turns, solutions
 from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix, transform
 
@@ -86,21 +85,34 @@ class UprightPathSpace:
         self.margin: Points = 2.0 * span
 
     def point(self, q: Points) -> Points:
-        """The point of a configuration [rad].
+        """The point of a configuration [rad]."""
+        place, about, _ = self._parts(q)
+        return np.append(place, about * self._radius)
 
-        Raises:
-            GoalOutOfReach: the tool is tilted there.
-        """
+    def why_not(self, q: Points) -> str:
+        """Tell why no path of this space ends at a configuration [rad]; empty if one can."""
+        if not self.same_branch(q.tolist()):
+            return (
+                "an upright tool keeps its branch (shoulder, elbow, wrist), and no goal has the "
+                "start's: go there without `upright`, or by joints"
+            )
+        _, _, tilt = self._parts(q)
+        if tilt > _UPRIGHT:
+            return f"the tool is tilted by {tilt:.3f} rad against the start, and is to stay upright"
+        far = np.abs(q - np.array(self._near))
+        if far.max() > np.pi:
+            return (
+                f"joint {int(far.argmax()) + 1} is {far.max():.3f} rad from the start; with an "
+                "upright tool no joint goes further than half a turn"
+            )
+        return ""
+
+    def _parts(self, q: Points) -> tuple[Points, float, float]:
+        """The tool's place [m], its turn about the vertical, and its tilt, from the start [rad]."""
         pose = self._arm.fkine(q) @ self._tip
         turn = rotvec_from_matrix(pose[:3, :3] @ self._turn.T)
         about = float(turn @ self._up)
-        tilt = float(np.linalg.norm(turn - about * self._up))
-        if tilt > _UPRIGHT:
-            raise GoalOutOfReach(
-                f"the tool is tilted by {tilt:.3f} rad against the start, and is to stay upright",
-                joints=q.tolist(),
-            )
-        return np.append(pose[:3, 3], about * self._radius)
+        return pose[:3, 3], about, float(np.linalg.norm(turn - about * self._up))
 
     def same_branch(self, q: Sequence[float]) -> bool:
         """Tell whether a configuration has the start's branch."""

@@ -126,8 +126,29 @@ def test_a_pose_behind_a_slot_is_reached_by_whole_turns_and_close_to_things() ->
 
 
 def test_one_of_several_goals_is_enough(scene: Scene, planner: Planner) -> None:
-    plan = planner.plan_blocking(LEFT, [Pose(3, 0, 0, 0, 0, 0), INSIDE, RIGHT])
+    beyond = Joints(0, 0, 0, 0, 0, 6.4)
+    plan = planner.plan_blocking(LEFT, [Pose(3, 0, 0, 0, 0, 0), beyond, INSIDE, RIGHT])
     assert plan.end == pytest.approx(RIGHT, abs=1e-9)
+    with pytest.raises(GoalOutOfReach, match="beyond the joint limits"):
+        planner.plan_blocking(LEFT, [beyond])
+
+
+def test_of_the_goals_of_an_upright_tool_those_that_tilt_it_are_none(planner: Planner) -> None:
+    here = Pose.from_matrix(planner.scene.arm.fkine(RIGHT))
+    near = Joints.of(RIGHT.array + np.deg2rad([10, 0, 0, 0, 0, 0]))
+    tilted = here @ Pose(0, 0, 0, 0.3, 0, 0)
+    plan = planner.plan_blocking(near, [tilted, here], upright=True)
+    assert plan.pose(plan.duration).almost_equal(here)
+    plan = planner.plan_blocking(near, Region(here, turn=(0.3, 0.3, 0.0)), upright=True)
+    assert plan.pose(plan.duration).almost_equal(here, rotation=1e-3)
+    with pytest.raises(GoalOutOfReach, match="tilted"):
+        planner.plan_blocking(near, tilted, upright=True)
+
+
+def test_an_upright_tool_does_not_end_a_whole_turn_from_its_goal(planner: Planner) -> None:
+    turned = Joints.of(RIGHT.array + np.array([0.1, 0, 0, 0, 0, 4.0]))
+    with pytest.raises(GoalOutOfReach, match=r"joint 6 is 4\.000 rad from the start"):
+        planner.plan_blocking(RIGHT, turned, upright=True)
 
 
 def test_a_region_is_reached_within_its_bounds(scene: Scene, planner: Planner) -> None:
