@@ -94,8 +94,11 @@ class TwinSample(NamedTuple):
 
     @property
     def whole(self) -> bool:
-        """Whether the controller sent all numbers of the joints, the set-points and the pose."""
-        numbers = (self.joints, self.speeds, self.expected, self.expected_speeds, self.pose or ())
+        """Whether all numbers are finite: torques and forces may be unknown, but not infinite."""
+        numbers = (
+            *(self.joints, self.speeds, self.expected, self.expected_speeds),
+            *(self.pose or (), self.external or (), self.force or ()),
+        )
         return all(math.isfinite(number) for part in numbers for number in part)
 
     @classmethod

@@ -229,13 +229,14 @@ def test_a_short_disturbance_is_nothing() -> None:
     assert said(monitor(), work(arm, movej2(*THERE), movej2(*READY))) == []
 
 
-@for_each("part", ["joints", "speeds", "expected", "expected_speeds", "pose"])
+@for_each("part", ["joints", "speeds", "expected", "expected_speeds", "pose", "external"])
 def test_a_sample_in_which_a_number_is_missing_hides_none_of_the_later_ones(part: str) -> None:
     """After one the twin said no more about torques, with figures that were no numbers."""
     arm, watching = PerfectArm(), monitor()
     arm.torques = pushed((0.0, 0.0, -4.9), at=0.3)
     items = list(work(arm, movej2(*THERE)))
-    items[5] = items[5]._replace(**{part: (math.nan,) * 6})
+    number = math.inf if part == "external" else math.nan  # a torque may be unknown, as NaN
+    items[5] = items[5]._replace(**{part: (number,) * 6})
     found = said(watching, items)
     assert [each.cause for each in found] == [Cause.PAYLOAD]
     assert learn(ARM, deviations(ARM, items * 5, NOWHERE)).learned > 0.0
