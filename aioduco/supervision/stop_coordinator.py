@@ -95,6 +95,7 @@ class StopCoordinator:
             before the arm is brought to rest.
         closed: whether the connections are closed, so that nothing can be sent any more.
         worker_died: whether a stream's worker has died, perhaps with a set-point on its way.
+        confirmed: number of stops that were requested when the last one that was confirmed began.
         require_samples: called with the name of what resumes; raises while an envelope is not
             watched.
     """
@@ -124,8 +125,7 @@ class StopCoordinator:
         self.closed: bool = False
         self.worker_died: bool = False
         self.require_samples: Callable[[str], object] = lambda _: None
-        #: number of stops that were requested when the last one that was confirmed began
-        self._confirmed = 0
+        self.confirmed: int = 0
 
     @property
     def stops(self) -> int:
@@ -187,7 +187,7 @@ class StopCoordinator:
             overtaken, stops = dict(self.pending), self.stops
             await self.send_stop(settings.stop_timeout)
             await self.rest(settings.stop_timeout, settings.standstill_timeout, overtaken)
-            self._confirmed = max(self._confirmed, stops)
+            self.confirmed = max(self.confirmed, stops)
 
     async def send_stop(self, timeout: float) -> None:
         """Stop the arm: it is then slowing down, and no stream or mode makes it move again.
@@ -665,7 +665,7 @@ class StopCoordinator:
             if stops_before is None:
                 return False
             later = any(task.stops_before > stops_before for task in self.follower.motions)
-            return later or self._confirmed > stops_before
+            return later or self.confirmed > stops_before
 
         await self._channel.rest(None, self._settings.standstill_timeout, is_another)
 

@@ -45,6 +45,8 @@ class TaskControl(Protocol):
     closed: bool
     #: permits to move the arm
     permits: Permits
+    #: number of stops that were requested when the last one that was confirmed began
+    confirmed: int
 
     @property
     def stops(self) -> int:

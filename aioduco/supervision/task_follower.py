@@ -181,10 +181,19 @@ class TaskFollower:
             else:
                 task._finish((), now)
             return
+        for other in self._namesakes(task):
+            # the controller was restarted, and has forgotten it
+            other.life.mark_lost()
+            if other in self._due:
+                self._due[other] = task.accepted_at
         self._seen[task] = task.accepted_at
         self._due[task] = task.accepted_at
         self._alarm.ring()
         tell(self.observers, task)
+
+    def _namesakes(self, task: Task) -> list[Task]:
+        """The other live tasks with its number; what is no more than a state is no number."""
+        return [each for each in self._seen if each.id == task.id > max(TaskState) and each != task]
 
     async def error_list(self) -> tuple[str, ...]:
         """Return the controller's error list before a command, whose errors are not in it yet.
@@ -423,6 +432,8 @@ class TaskFollower:
         if self._arm.stops != task.stops_before:
             task.release_clock()
             task.life.stop_sent()
+        if task.motion and self._arm.confirmed > task.stops_before:
+            task.life.stop_confirmed()
 
     async def _ask_whether_it_stands(self, task: Task) -> bool:
         """Poll whether the arm stands, after the controller ended the task of a continuous motion.
@@ -486,7 +497,7 @@ class TaskFollower:
                 lambda: self._mark_ended(task, (), now),
             )
             return
-        if task.motion and task.life.outcome is Outcome.UNKNOWN:
+        if task.motion and task.life.outcome is Outcome.UNKNOWN and not self._namesakes(task):
             self._stop_lost(task, lambda: self._mark_ended(task, errors, now))
             return
         self._mark_ended(task, errors, now)

@@ -15,8 +15,9 @@ Rules:
   The motion has finished when its end was requested, or when the arm stands; it has blended if
   another motion took over. If the controller reports that it finished, the time that it took never
   overrules that.
-- A state that the manual does not list, or a task that ran and is idle again (the controller
-  was restarted), has no known outcome.
+- A state that the manual does not list has no known outcome. Neither has a task that ran and is
+  idle again, or is still idle after a stop: the controller was restarted, and may give its number
+  to another task.
 """
 
 from __future__ import annotations
@@ -114,8 +115,8 @@ class JointEta:
         return min(1.0, max(0.0, along / square))
 
 
-#: Observations of "idle" in a row, after the task has run, until it counts as lost. A single one
-#: may come from the controller's change from one state to the next.
+#: Observations of "idle" in a row, after the task has run or was stopped, until it counts as lost.
+#: A single one may come from the controller's change from one state to the next.
 IDLE_AGAIN_LIMIT = 20
 
 _OUTCOMES = {
@@ -172,6 +173,7 @@ class TaskLifecycle:
         "_blends",
         "_continuous",
         "_idle_again",
+        "_may_be_idle",
         "continues_after_task",
         "end_seen",
         "outcome",
@@ -185,6 +187,7 @@ class TaskLifecycle:
         self._blends = blends
         self._continuous = continuous
         self._idle_again = 0
+        self._may_be_idle = True
         self.state: TaskState = TaskState.IDLE
         self.outcome: Outcome | None = None
         self.started: bool = False
@@ -211,7 +214,7 @@ class TaskLifecycle:
         """Take in a state that the controller reported. Returns whether anything changed."""
         if self.ended or self.undecided or self.continues_after_task:
             return False
-        if state is TaskState.IDLE and self.started:
+        if state is TaskState.IDLE and not self._may_be_idle:
             self._idle_again += 1
             if self._idle_again < IDLE_AGAIN_LIMIT:
                 return False
@@ -220,7 +223,8 @@ class TaskLifecycle:
         self._idle_again = 0
         changed = state != self.state
         self.state = state
-        self.started = self.started or state is not TaskState.IDLE
+        if state is not TaskState.IDLE:
+            self.started, self._may_be_idle = True, False
         if state is TaskState.INTERRUPT:
             self._judge()
         elif state is TaskState.FINISHED and self._continuous is not None:
@@ -262,6 +266,10 @@ class TaskLifecycle:
         if not self.ended:
             self.stop_seen = True
             self._judge()
+
+    def stop_confirmed(self) -> None:
+        """The arm stands after a stop that was requested after this motion."""
+        self._may_be_idle = False
 
     def end_sent(self) -> None:
         """The function that ends this motion is about to be sent to the controller."""

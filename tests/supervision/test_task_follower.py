@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import statistics
 from collections import Counter
 from collections.abc import Callable
@@ -9,6 +10,7 @@ from collections.abc import Callable
 import anyio
 import pytest
 from client.bench import HOME, POSE, Bench
+from for_each import for_each
 
 import aioduco
 from aioduco import Outcome, TaskState
@@ -195,6 +197,45 @@ async def test_a_controller_that_fails_leaves_no_await_behind(
         # On the way out it is said that nobody knows whether the arm stands.
         with anyio.fail_after(20), pytest.raises(aioduco.StopUnconfirmed):
             await robot.aclose()
+
+
+def restart(bench: Bench) -> None:
+    """The controller forgets its tasks, and gives their numbers again."""
+    with bench._lock:
+        bench.tasks.clear()
+        bench._ids = itertools.count(1000)
+
+
+@for_each("stopped", [False, True])
+async def test_motions_that_a_restarted_controller_has_forgotten_end(
+    robot: aioduco.Robot, bench: Bench, stopped: bool
+) -> None:
+    bench.motion_time = 600.0
+    for _ in range(10):  # the stops below get numbers, too
+        await robot.pause()
+        await robot.resume()
+    tasks = [await robot.motion.movej2(HOME, v=1.0, a=1.0).start() for _ in range(2)]
+    await eventually_async(lambda: tasks[0].state is TaskState.RUNNING)
+    restart(bench)
+    if stopped:  # else the loss of the first one stops the arm
+        await robot.stop()
+    for task in tasks:
+        assert await task.wait() is Outcome.UNKNOWN
+
+
+async def test_a_number_that_is_given_again_is_not_that_of_the_motion_before(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    bench.motion_time = 600.0
+    bench.answer("get_noneblock_taskstate", lambda _: TaskState.IDLE)
+    forgotten = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    restart(bench)
+    bench.answer("get_noneblock_taskstate", bench.task_state)
+    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    assert task.id == forgotten.id
+    assert await forgotten.wait() is Outcome.UNKNOWN
+    bench.arrive()
+    assert await task is Outcome.FINISHED
 
 
 async def test_closing_ends_every_task(bench: Bench) -> None:

@@ -107,9 +107,12 @@ def test_without_a_blend_radius_it_was_interrupted() -> None:
     assert life.outcome is Outcome.INTERRUPTED
 
 
-def test_idle_for_long_after_running_means_that_the_controller_forgot_the_task() -> None:
+@for_each("before", [lambda life: life.observe(TaskState.RUNNING), TaskLifecycle.stop_confirmed])
+def test_idle_for_long_after_running_or_a_stop_means_that_the_controller_forgot_the_task(
+    before: Callable[[TaskLifecycle], object],
+) -> None:
     life = TaskLifecycle()
-    life.observe(TaskState.RUNNING)
+    before(life)
     for _ in range(IDLE_AGAIN_LIMIT - 1):
         assert not life.observe(TaskState.IDLE)
     assert life.outcome is None
