@@ -89,7 +89,8 @@ class Planner(Closable):
         scene: scene to plan in; it may change between plans.
         tool: the tool's tip in the flange's frame [m, rad]; poses as goals are poses of this tip.
             None for the flange itself.
-        seed: seed of the search, from 1; the same problems in the same order give the same paths.
+        seed: seed of the search, from 1; the same problems in the same order give the same paths,
+            unless one is cancelled or its time is over.
 
     Raises:
         MissingExtra: something of `aioduco[plan]` is not installed.

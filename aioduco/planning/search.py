@@ -6,6 +6,7 @@ the process of `worker` uses this module.
 
 from __future__ import annotations
 
+import math
 import time
 from typing import TYPE_CHECKING, Any
 
@@ -30,8 +31,32 @@ else:
 STEP = 0.03
 """Between two looks at a way, at first [m of the arm's furthest point, about]."""
 _RANGE = 0.5  # length of one step of a search [m, likewise]
-_PATIENCE = 0.2  # time for the first search [s]
+_PATIENCE = 12_000  # looks of the first search
 _SHORTCUTS = 60  # attempts at shortening
+
+
+class Budget:
+    """How much may be searched: looks at points, so that any computer finds the same, and a time.
+
+    Args:
+        space: space whose looks count.
+        deadline: time at which the search ends at the latest, of `time.monotonic` [s].
+        looks: number of looks from now on.
+    """
+
+    def __init__(self, space: PathSpace, deadline: float, looks: float = math.inf) -> None:
+        self._space, self._deadline = space, deadline
+        self._until = space.looks + looks
+
+    @property
+    def spent(self) -> bool:
+        """Whether nothing more may be searched."""
+        return self._space.looks >= self._until or time.monotonic() >= self._deadline
+
+    def part(self, looks: float) -> Budget:
+        """A part of what is left, of at most a number of looks."""
+        left = self._until - self._space.looks
+        return Budget(self._space, self._deadline, min(looks, left))
 
 
 def seed(number: int) -> None:
@@ -48,7 +73,7 @@ def search(
     space: PathSpace,
     start: Points,
     goals: Sequence[Points],
-    deadline: float,
+    budget: Budget,
     *,
     direct: int = 1,
     step: float = STEP,
@@ -59,13 +84,13 @@ def search(
         space: space to search.
         start: a free point of it.
         goals: free points, the best first.
-        deadline: time at which the search ends at the latest, of `time.monotonic` [s].
+        budget: how much may be searched.
         direct: number of goals to which the straight path is tried.
         step: distance between two checks of a path [m of the arm's furthest point, about].
 
     Returns:
         Corners of the path, from the start to one of the goals. Shape (n, dimensions); None if no
-        path was found in time.
+        path was found within the budget.
     """
     for goal in goals[:direct]:
         if straight(space.free, start, goal, step):
@@ -104,11 +129,11 @@ def search(
     # Durations of such searches have a long tail: starting anew is faster than continuing.
     patience = _PATIENCE
     while not problem.hasExactSolution():
-        left = deadline - time.monotonic()
-        if left <= 0.0:
+        if budget.spent:
             return None
+        part = budget.part(patience)
         planner.clear()
-        planner.solve(min(patience, left))
+        planner.solve(base.PlannerTerminationCondition(lambda part=part: part.spent))
         patience *= 1.5
     path = problem.getSolutionPath()
     shortener = geometric.PathSimplifier(information)

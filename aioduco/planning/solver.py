@@ -6,6 +6,7 @@ random search hardly ever finds such a way, with tenths of a millimetre on both 
 
 from __future__ import annotations
 
+import math
 import time
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -26,7 +27,7 @@ from aioduco.models.rotation import matrix_from_rpy, transform
 from aioduco.planning.clearance import TOUCHING, Clearance
 from aioduco.planning.curve import is_free, joint_curve, rounded
 from aioduco.planning.plan import Plan
-from aioduco.planning.search import STEP, search
+from aioduco.planning.search import STEP, Budget, search
 from aioduco.planning.spaces import JointPathSpace, PathSpace, UprightPathSpace
 from aioduco.planning.spline import BSpline
 from aioduco.planning.timing import timed
@@ -94,7 +95,10 @@ def retreat(
 _OPENING, _NARROW = 0.1, 1e-4
 _RETREATS = 16  # goals, at most, for which a straight line away from what is near is tried
 _SAMPLES = 24  # poses of a region that are tried
-_SOON = 0.3  # time before goals a turn away, and goals closer to things, are tried too [s]
+#: looks before goals a turn away, and goals closer to things, are tried too
+_SOON = 20_000
+#: looks for straight ways out, per second of the time-out: a slow computer's in half of it
+_RETREATING = 10_000
 _DIRECT = 8  # goals to which the straight path is tried, the nearest first
 _CORNERS = 9  # corners to report for a path that has none in joint space
 _CLEARANCE_SAMPLES = 40  # measurements of the clearance along the path
@@ -194,15 +198,13 @@ def _free(
     ]
     far = [(q, distance) for q, distance in near if distance > padding]
     every = near + [(q, each.distance) for q, each in further if each.distance >= -TOUCHING]
-    began = time.monotonic()
-    soon, later = min(began + _SOON, deadline), min(began + 2.0 * _SOON, deadline)
-    tries = [_Try(far, soon), _Try(every, deadline)]
+    tries = [_Try(far, _SOON), _Try(every)]
     if min(here.distance, *(distance for _, distance in every)) <= padding:
-        half = max(0.5 * (began + deadline), later)
+        half = _RETREATING * problem.timeout
         tries[1:] = [
-            _Try(every, later),
+            _Try(every, _SOON),
             _Try(every, half, retreating=True),
-            _Try(every, deadline, _NARROW),
+            _Try(every, growth=_NARROW),
         ]
     for each in tries:
         checker.padding = padding
@@ -224,7 +226,8 @@ def _free(
         if outs and float(np.abs(outs[0][0] - start).max()) < 1e-6:
             still = BSpline.through(np.linspace(0.0, 1e-9, 6), np.tile(start, (6, 1)))
             return still, start[None, :]
-        found = _way_to(outs, start_out, space, checker, each.until) if outs else None
+        budget = Budget(space, deadline, each.looks)
+        found = _way_to(outs, start_out, space, checker, budget) if outs else None
         if found is not None and branch is None:
             curve, corners = found
             return curve, corners / checker.radii
@@ -249,13 +252,13 @@ class _Try(NamedTuple):
 
     Attributes:
         goals: goals, each with its distance to the nearest thing [rad, m].
-        until: when it ends, of `time.monotonic` [s].
+        looks: how much is searched, in looks at points; time alone for the last one.
         growth: growth of the distance that is kept, on the way from an end that is closer.
         retreating: whether a straight line of the tool leads away from such an end.
     """
 
     goals: list[tuple[Points, float]]
-    until: float
+    looks: float = math.inf
     growth: float = _OPENING
     retreating: bool = False
 
@@ -265,9 +268,9 @@ def _way_to(
     start: list[Points],
     space: PathSpace,
     checker: CollisionChecker,
-    deadline: float,
+    budget: Budget,
 ) -> tuple[BSpline, Points] | None:
-    """Find a rounded path to any of the goals, and its corners in `space`; None if out of time.
+    """Find a rounded path to any of the goals, and its corners in `space`; None if none is found.
 
     Start and goals are each a way out: configurations from it to where the search begins.
     """
@@ -275,8 +278,8 @@ def _way_to(
     ends = [np.array([space.point(q) for q in way]) for way in goals]
     points = [end[-1] for end in ends]
     direct, step = _DIRECT, STEP
-    while time.monotonic() < deadline:
-        corners = search(space, begin[-1], points, deadline, direct=direct, step=step)
+    while not budget.spent:
+        corners = search(space, begin[-1], points, budget, direct=direct, step=step)
         if corners is None:
             return None
         reached = ends[int(np.argmin([np.abs(end - corners[-1]).max() for end in points]))]

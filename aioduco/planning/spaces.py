@@ -37,9 +37,11 @@ class JointPathSpace:
         self.lower: Points = np.array(arm.lower) * self._radii
         self.upper: Points = np.array(arm.upper) * self._radii
         self.margin: Points = np.pi * self._radii
+        self.looks: int = 0
 
     def free(self, point: Any) -> bool:
         """Tell whether the arm touches nothing at a point."""
+        self.looks += 1
         a, b, c, d, e, f = self._inverse
         return self._checker.free(
             (point[0] * a, point[1] * b, point[2] * c, point[3] * d, point[4] * e, point[5] * f)
@@ -83,6 +85,7 @@ class UprightPathSpace:
         self.lower: Points = middle - span
         self.upper: Points = middle + span
         self.margin: Points = 2.0 * span
+        self.looks: int = 0
 
     def point(self, q: Points) -> Points:
         """The point of a configuration [rad]."""
@@ -120,6 +123,7 @@ class UprightPathSpace:
 
     def free(self, point: Any) -> bool:
         """Tell whether the arm reaches a point on its branch, and touches nothing at it."""
+        self.looks += 1
         q = self._solve((point[0], point[1], point[2], point[3]))
         return q is not None and self._checker.free(q)
 
@@ -153,5 +157,5 @@ PathSpace: TypeAlias = JointPathSpace | UprightPathSpace
 """A space in which a path is searched.
 
 It has the bounds of its points, `lower` and `upper`; `margin` is the distance beyond start and
-goals to which a search is limited.
+goals to which a search is limited. `looks` counts the points at which `free` was asked.
 """
