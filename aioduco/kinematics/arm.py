@@ -17,7 +17,7 @@ from aioduco.models.pose import JointsLike, Pose, PoseLike
 from aioduco.models.rules import Number, Vector, stored
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from aioduco.models.rotation import Array
 
@@ -198,6 +198,10 @@ class Arm:
         if len(near) != 6 or not all(map(math.isfinite, near)):
             raise ParameterError("q_near", near, "six finite numbers [rad]")
         found = self._solve(target, near[5])
+        if self.geometry.corrections is not None:
+            # Beside a singularity the steps from the lengths' own solutions may lead far, or to
+            # nothing, although the arm is at the pose.
+            found += self._refined([near], target)
         if not found:
             pose = Pose.from_matrix(target)
             missing = inverse.shortfall(self.geometry, target)
@@ -227,7 +231,13 @@ class Arm:
         found = single.solutions(self.geometry, rows, q6)
         if all(single.pose_error(self.geometry, q, rows) < _EXACT for q in found):
             return found
-        refined = inverse.refine(self.geometry, np.array(found), target)
+        return self._refined(found, target)
+
+    def _refined(
+        self, near: Sequence[Sequence[float]], target: Array
+    ) -> list[single.Configuration]:
+        """The solutions beside given configurations, for those that have one."""
+        refined = inverse.refine(self.geometry, np.array(near), target)
         error = np.abs(inverse.residual(self.geometry, refined, target)).max(axis=-1)
         return [tuple(q) for q in refined[error < _KEEP].tolist()]
 

@@ -366,6 +366,18 @@ def test_a_stretched_calibrated_arm_is_reached_where_its_lengths_alone_are_too_s
         np.testing.assert_allclose(known.ikine(known.fkine(q), q), q, atol=1e-9)
 
 
+@for_each("joint3, joint5", [(1.2, 0.0), (1.2, 1e-7), (0.0, 0.7), (0.0, 0.0)])
+def test_a_calibrated_arm_at_a_singularity_stays_where_it_is(joint3: float, joint5: float) -> None:
+    """Steps led to another configuration, radians away, or to none: out of reach, it said."""
+    random = np.random.default_rng(5)
+    for _ in range(8):
+        columns = random.normal(0.0, 5e-4, (4, 6)).tolist()
+        corrections = DhCorrections(*map(tuple, columns))
+        known = dataclasses.replace(FIVE, geometry=FIVE.geometry._replace(corrections=corrections))
+        q = np.array([0.4, 0.3, joint3, 0.5, joint5, 0.9])
+        np.testing.assert_allclose(known.ikine(known.fkine(q), q), q, atol=1e-6)
+
+
 def test_a_solution_that_is_a_little_off_is_improved_alone_and_with_others() -> None:
     q = np.array([[0.3, -0.4, 1.2, 0.2, -1.0, 0.5], [1.0, 0.2, -1.5, -0.3, 0.8, -2.0]])
     flanges = np.stack([FIVE.fkine(each) for each in q])
