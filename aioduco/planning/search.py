@@ -127,7 +127,7 @@ def search(
     planner.setProblemDefinition(problem)
     planner.setup()
     # Durations of such searches have a long tail: starting anew is faster than continuing.
-    patience = _PATIENCE
+    patience: float = _PATIENCE
     while not problem.hasExactSolution():
         if budget.spent:
             return None
