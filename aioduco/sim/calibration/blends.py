@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from aioduco.sim.calibration.findings import Findings, mean_of
-from aioduco.sim.profile import RANGES, Estimate
+from aioduco.sim.calibration.findings import Findings, mean_of, not_played, played
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -22,6 +21,7 @@ if TYPE_CHECKING:
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
     from aioduco.sim.calibration.evidence import Corner, Evidence
+    from aioduco.sim.profile import Estimate
 
 
 #: corners that are needed, and the largest of their radii as a multiple of the smallest
@@ -94,13 +94,10 @@ def estimate_blends(arm: Arm, runs: Sequence[Evidence]) -> Findings:
             )
             continue
         reach = mean_of([cut.reach for cut in found], _LEAST[0])
-        if (played := _played(f"{kind}_reach", reach)) is None:
-            missing.append(
-                f"blends, {kind}: corners begin at {reach.value:.2f} of the radius, which the "
-                "simulator does not play"
-            )
+        if played("blends", f"{kind}_reach", reach) is None:
+            missing.append(not_played("blends", f"{kind}_reach", reach))
             continue
-        values[f"{kind}_reach"] = played
+        values[f"{kind}_reach"] = reach
         notes.append(
             f"{len(found)} corners of {kind} motions, each held out: reach within "
             f"{100 * held:.1f} % of the radius"
@@ -116,22 +113,9 @@ def estimate_blends(arm: Arm, runs: Sequence[Evidence]) -> Findings:
                 f"blends, share of the acceleration, {kind}: corners differ by up to "
                 f"{100 * _held_out(shares):.0f} % of it"
             )
-        elif (played := _played(f"{kind}_share", mean_of(shares, _LEAST[1]))) is None:
-            missing.append(
-                f"blends, share of the acceleration, {kind}: corners take {np.mean(shares):.2f} of "
-                "it, which the simulator does not play"
-            )
         else:
-            values[f"{kind}_share"] = played
+            values[f"{kind}_share"] = mean_of(shares, _LEAST[1])
     return Findings("blends", values, tuple(notes), tuple(missing))
-
-
-def _played(name: str, found: Estimate) -> Estimate | None:
-    """An estimate with a value that a profile may have; None if its interval has none."""
-    low, high, _ = RANGES["blends"][name]
-    if found.high < low or found.low > high:
-        return None
-    return found._replace(value=min(max(found.value, low), high))
 
 
 def _held_out(values: Sequence[float]) -> float:

@@ -13,6 +13,7 @@ from aioduco.kinematics import models
 from aioduco.sim.calibration.blends import estimate_blends
 from aioduco.sim.calibration.drives import estimate_drives, estimate_noise
 from aioduco.sim.calibration.evidence import Evidence, read_evidence
+from aioduco.sim.calibration.findings import not_played, played
 from aioduco.sim.calibration.geometry import estimate_geometry
 from aioduco.sim.calibration.times import (
     estimate_period,
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from aioduco.sim.calibration.findings import Findings
+    from aioduco.sim.profile import Estimate
 
 
 _HELP: Final = "record the arm by `aioduco check HOST --motions run.mcap`"
@@ -96,9 +98,17 @@ def profile_of(runs: Sequence[Evidence], *, model: str | None = None) -> Calibra
             )
     with MissingExtra.named("calibration", "calibrate"):
         found = _findings(runs, name)
-    values = {each.section: dict(each.values) for each in found if each.values}
+    missing = [text for each in found for text in each.missing]
+    values: dict[str, dict[str, Estimate]] = {}
+    for section, estimates in ((each.section, each.values) for each in found):
+        for key, estimate in estimates.items():
+            # the ranges of the geometry are around the model's, and its estimator keeps to them
+            known = estimate if section == "geometry" else played(section, key, estimate)
+            if known is None:
+                missing.append(not_played(section, key, estimate))
+            else:
+                values.setdefault(section, {})[key] = known
     values = {section: values[section] for section in RANGES if section in values}
-    missing = tuple(text for each in found for text in each.missing)
     if not values:
         raise CalibrationError(
             f"the recordings show nothing about the arm: {_HELP}; no profile was made"
@@ -109,7 +119,8 @@ def profile_of(runs: Sequence[Evidence], *, model: str | None = None) -> Calibra
         single_precision([run.joints for run in runs]),
         tuple(run.name for run in runs),
     )
-    return Calibration(profile, tuple(text for each in found for text in each.notes), missing)
+    notes = tuple(text for each in found for text in each.notes)
+    return Calibration(profile, notes, tuple(missing))
 
 
 def _findings(runs: Sequence[Evidence], model: str) -> list[Findings]:

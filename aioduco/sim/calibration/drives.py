@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from aioduco.sim.calibration.findings import Findings, deviations
+from aioduco.sim.calibration.findings import Findings, deviations, not_played, played
 from aioduco.sim.profile import Estimate
 
 if TYPE_CHECKING:
@@ -121,7 +121,11 @@ def estimate_drives(sets: Sequence[Motions]) -> Findings:
         judged.append(ratio)
         halves = deviations(data.motions - 2) * np.sqrt(np.diag(data.spread(found, inverse)))
         lag = Estimate.around(float(found[0]), max(float(halves[0]), _LEAST_LAG))
-        values[f"lag{joint + 1}"] = lag._replace(value=max(lag.value, 0.0), high=max(lag.high, 0.0))
+        lag = lag._replace(value=max(lag.value, 0.0), high=max(lag.high, 0.0))
+        if played("drives", f"lag{joint + 1}", lag) is None:  # nor can its gain be played
+            missing.append(not_played("drives", f"lag{joint + 1}", lag))
+            continue
+        values[f"lag{joint + 1}"] = lag
         time = float(found[1])
         half = float(halves[1]) + time * _APART / max(lag.value, _LEAST_LAG)
         if time <= 0.0 or half > _LOOSE * time:

@@ -21,7 +21,16 @@ from aioduco.sim import ArmProfile, Simulator
 from aioduco.sim.calibration import calibrate, evidence, profile_of
 from aioduco.sim.calibration.evidence import read_evidence
 
-from .made import MODEL, READY, configurations, empty, exact, hidden_geometry, poses_of
+from .made import (
+    MODEL,
+    READY,
+    configurations,
+    empty,
+    exact,
+    hidden_geometry,
+    poses_of,
+    turns,
+)
 
 
 @pytest.mark.slow
@@ -135,6 +144,20 @@ def test_a_file_that_is_no_recording_is_said(tmp_path: Path) -> None:
     path.write_bytes(b"no")
     with pytest.raises(RecordingError, match="MCAP"):
         calibrate(path)
+
+
+@pytest.mark.slow
+def test_what_the_simulator_does_not_play_is_left_out_and_said(tmp_path: Path) -> None:
+    """A drive that trails by more was written to a file that no simulator took."""
+    lag = np.array([0.06, 0.01, 0.01, 0.01, 0.01, 0.01])
+    motions = turns(np.random.default_rng(1), lag, 0.6 / lag, np.full(6, 2e-3))
+    found = profile_of([replace(empty(), motions=motions)])
+    assert {"lag1", "gain1"}.isdisjoint(found.profile.values["drives"])
+    assert [text.partition(":")[0] for text in found.missing if "does not play: 0 to" in text] == [
+        "drives, lag1", *(f"noise, joint{i}" for i in range(1, 7))
+    ]  # fmt: skip
+    found.profile.save(tmp_path / "arm.toml")
+    assert ArmProfile.load(tmp_path / "arm.toml").values.keys() == {"drives"}
 
 
 def test_recordings_of_two_arms_are_refused() -> None:
