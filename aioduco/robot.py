@@ -65,8 +65,8 @@ if TYPE_CHECKING:
     from aioduco.api.track import Track
     from aioduco.api.version import Version
     from aioduco.envelope import Envelope
+    from aioduco.kinematics.mounting import MountingLike
     from aioduco.models.controller_clock import Clock
-    from aioduco.models.pose import PoseLike
     from aioduco.models.trace import Trace
     from aioduco.recording.recorder import Publication, Recording, RobotObserver
     from aioduco.sim.twin.limits import TwinLimits
@@ -638,7 +638,7 @@ class Robot(Uncopied, ManualNames, MisspeltRefused):
         *,
         action: TwinAction = "report",
         arm: str | None = None,
-        mounting: PoseLike | None = None,
+        mounting: MountingLike | None = None,
         commands: bool = True,
     ) -> Twin:
         """Watch the arm beside a simulated one: `async with robot.twin(limits):`.
@@ -653,7 +653,8 @@ class Robot(Uncopied, ManualNames, MisspeltRefused):
             action: what happens when they part: "report", or also "pause" or "stop", as
                 `Robot.pause` and `Robot.stop`. Otherwise the twin never commands the arm.
             arm: the arm, such as "gcr5_910"; None for the one that the controller reports.
-            mounting: pose of the base in the world [m, rad]; None for on the floor.
+            mounting: "floor", "wall" or "ceiling", as of a simulator, or pose of the base in the
+                world [m, rad]; None for on the floor.
             commands: whether this program alone commands the arm. If not, nothing is said about
                 paths, delays and other programs.
 

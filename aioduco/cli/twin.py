@@ -24,14 +24,19 @@ from aioduco.cli.options import (
     require_writable,
 )
 from aioduco.cli.output import print_json, say
-from aioduco.cli.sessions import observing_session, page_session, wait_until_ended
+from aioduco.cli.sessions import (
+    observing_session,
+    page_session,
+    reported_arm,
+    wait_until_ended,
+)
 from aioduco.cli.signals import receive_signals
 from aioduco.models.host_port import host_port
 from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:
     from aioduco.integrations.panel import Panel
-    from aioduco.models.pose import Pose
+    from aioduco.kinematics.mounting import MountingLike
     from aioduco.sim.twin import Twin, TwinLimits
     from aioduco.sync._generated_objects import Twin as BlockingTwin
 
@@ -107,7 +112,7 @@ def twin(
     if action not in ("report", "pause", "stop"):
         raise typer.BadParameter("report, pause or stop", param_hint="--action")
     with ended_by_errors():
-        base = _base(mounting, arm)
+        base = mounting_option(mounting)
         known = _limits(learn, limits, arm, base)
         if judge is not None:
             _judge(judge, known, arm, base, as_json=json)
@@ -132,14 +137,9 @@ def twin(
     raise typer.Exit(PARTED if shown.count else 0)
 
 
-def _base(mounting: str, arm: str | None) -> Pose:
-    from aioduco.kinematics import arm as arm_of  # noqa: PLC0415 - for this command alone
-    from aioduco.kinematics.mounting import base_in_world  # noqa: PLC0415
-
-    return base_in_world(mounting_option(mounting), arm_of(arm or "gcr5_910"))
-
-
-def _limits(run: Path | None, file: Path | None, arm: str | None, base: Pose) -> TwinLimits | None:
+def _limits(
+    run: Path | None, file: Path | None, arm: str | None, base: MountingLike
+) -> TwinLimits | None:
     """Limits learned from a run or read from a file; None for wide ones."""
     from aioduco.sim.twin import TwinLimits, learn  # noqa: PLC0415 - for this command alone
 
@@ -159,7 +159,7 @@ def _limits(run: Path | None, file: Path | None, arm: str | None, base: Pose) ->
 
 
 def _judge(
-    run: Path, known: TwinLimits | None, arm: str | None, base: Pose, *, as_json: bool
+    run: Path, known: TwinLimits | None, arm: str | None, base: MountingLike, *, as_json: bool
 ) -> None:
     """Print where the arm of a recording and its twin parted, and end the command."""
     from aioduco.sim.twin import judge  # noqa: PLC0415 - for this command alone
@@ -181,7 +181,7 @@ def _show_page(
     address: RobotAddress,
     known: TwinLimits | None,
     arm: str | None,
-    base: Pose,
+    base: MountingLike,
     listen: int,
     seconds: float | None,
     *,
@@ -202,7 +202,7 @@ def _show_page(
             token="",  # watching only: the twin's page commands nothing
             name=address.name,
             model=arm,
-            scene=Scene(arm or "gcr5_910", mounting=base) if any(base) else None,
+            scene=None if base == "floor" else Scene(_model(address, known, arm), mounting=base),
             twin=known or True,
         )
         told, count = anyio.run(_serve_page, made, str(address), seconds, as_json)
@@ -211,6 +211,19 @@ def _show_page(
     if made.twin is not None and made.twin.error is not None:
         fail(f"it ended early: {made.twin.error}")
     raise typer.Exit(PARTED if count else 0)
+
+
+def _model(address: RobotAddress, known: TwinLimits | None, arm: str | None) -> str:
+    """The arm of which a mounting is: how high it hangs depends on its lengths."""
+    if arm is not None:
+        return arm
+    if known is not None:
+        return known.arm
+    with observing_session(address) as robot:
+        found = reported_arm(robot)
+    if found is None:
+        fail("the controller tells no arm that is known: --arm says which one it is")
+    return found.name
 
 
 async def _serve_page(

@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from aioduco.devices.teleoperation.teleop_loop import TeleopReport
     from aioduco.envelope import Envelope
     from aioduco.kinematics import Arm
+    from aioduco.kinematics.mounting import MountingLike
     from aioduco.models.controller_clock import Clock
     from aioduco.models.enums import FileKind, OperationMode, Outcome, OutputMode, TaskState
     from aioduco.models.external_axis import ExternalAxis, ExternalAxisScheme, ExternalAxisState
@@ -6343,7 +6344,7 @@ class Robot(RobotLifecycle, ManualNames):
         *,
         action: TwinAction = 'report',
         arm: str | None = None,
-        mounting: PoseLike | None = None,
+        mounting: MountingLike | None = None,
         commands: bool = True,
     ) -> Twin:
         """Watch the arm beside a simulated one: `with robot.twin(limits):`.
@@ -6358,7 +6359,8 @@ class Robot(RobotLifecycle, ManualNames):
             action: what happens when they part: "report", or also "pause" or "stop", as
                 `Robot.pause` and `Robot.stop`. Otherwise the twin never commands the arm.
             arm: the arm, such as "gcr5_910"; None for the one that the controller reports.
-            mounting: pose of the base in the world [m, rad]; None for on the floor.
+            mounting: "floor", "wall" or "ceiling", as of a simulator, or pose of the base in the
+                world [m, rad]; None for on the floor.
             commands: whether this program alone commands the arm. If not, nothing is said about
                 paths, delays and other programs.
 

@@ -11,8 +11,8 @@ from aioduco._wire.rpc import Op
 from aioduco.errors import ParameterError, RecordingError
 from aioduco.kinematics import arm as arm_of
 from aioduco.kinematics.catalogue import model_named
+from aioduco.kinematics.mounting import base_in_world
 from aioduco.models.enums import ProgramState, RobotState, SafetyState
-from aioduco.models.pose import Pose, PoseLike
 from aioduco.models.rotation import matrix_from_quaternion, rpy_from_matrix
 from aioduco.recording.run import RecordedMessage, RecordedRun, of_any_maker, read
 from aioduco.sim.twin import limits as limits_of
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from aioduco.kinematics import Arm
+    from aioduco.kinematics.mounting import MountingLike
 
 
 #: channels with parts of samples
@@ -35,7 +36,7 @@ _OPS = {field.name for field in dataclasses.fields(Op)}
 
 @of_any_maker
 def learn(
-    path: str | os.PathLike[str], *, arm: str | None = None, mounting: PoseLike | None = None
+    path: str | os.PathLike[str], *, arm: str | None = None, mounting: MountingLike | None = None
 ) -> TwinLimits:
     """Learn the limits of a twin from the recording of a good run.
 
@@ -46,7 +47,8 @@ def learn(
     Args:
         path: the recording, with forces; `robot.record` and `aioduco record` make it.
         arm: the arm; None for the one that the recording names.
-        mounting: pose of the base in the world [m, rad]; None for on the floor.
+        mounting: "floor", "wall" or "ceiling", as of a simulator, or pose of the base in the world
+            [m, rad]; None for on the floor.
 
     Raises:
         ParameterError: the arm is not known, or it moved for less than five seconds.
@@ -54,7 +56,7 @@ def learn(
     """
     run = read(path)
     chosen = _arm(run, arm)
-    base = None if mounting is None else Pose.of(mounting)
+    base = None if mounting is None else base_in_world(mounting, chosen)
     return limits_of.learn(chosen, deviations(chosen, items(run), mounting=base))
 
 
@@ -64,7 +66,7 @@ def judge(
     limits: TwinLimits | None = None,
     *,
     arm: str | None = None,
-    mounting: PoseLike | None = None,
+    mounting: MountingLike | None = None,
 ) -> list[Divergence]:
     """Say where the arm of a recording and its twin parted. Times count from its beginning.
 
@@ -72,7 +74,8 @@ def judge(
         path: the recording.
         limits: the limits; None for wide ones.
         arm: the arm; None for the one that the recording names.
-        mounting: pose of the base in the world [m, rad]; None for on the floor.
+        mounting: "floor", "wall" or "ceiling", as of a simulator, or pose of the base in the world
+            [m, rad]; None for on the floor.
 
     Raises:
         ParameterError: the arm is not known.
@@ -81,7 +84,7 @@ def judge(
     run = read(path)
     chosen = _arm(run, arm)
     known = TwinLimits.of(chosen) if limits is None else limits
-    base = None if mounting is None else Pose.of(mounting)
+    base = None if mounting is None else base_in_world(mounting, chosen)
     told = run.topics.get("/commands", 0) > 0
     monitor, found = TwinMonitor(chosen, known, mounting=base, commands=told), []
     for item in items(run):

@@ -24,8 +24,8 @@ from aioduco._wire.owner_loop import loop_callback
 from aioduco.errors import DucoError, ParameterError, RobotStateError
 from aioduco.kinematics import arm as arm_of
 from aioduco.kinematics.catalogue import model_named
-from aioduco.models.pose import Pose, PoseLike
-from aioduco.models.ranges import POSE
+from aioduco.kinematics.mounting import base_in_world, gravity
+from aioduco.models.pose import Pose
 from aioduco.models.rules import Flag
 from aioduco.models.trace import CallFinished, TraceEvent
 from aioduco.models.words import one_of
@@ -39,6 +39,7 @@ from aioduco.supervision.events import TwinDiverged
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from aioduco.kinematics.mounting import MountingLike
     from aioduco.supervision.supervisor import Supervisor
 
 
@@ -93,7 +94,7 @@ class Twin(Uncopied):
         limits: TwinLimits | None,
         action: TwinAction,
         arm: str | None,
-        mounting: PoseLike | None,
+        mounting: MountingLike | None,
         commands: bool,
     ) -> None:
         one_of("action", action, get_args(TwinAction))
@@ -104,7 +105,8 @@ class Twin(Uncopied):
         self.limits: TwinLimits | None = limits
         self._action = action
         self._model = None if arm is None else arm_of(arm).name
-        self._mounting = None if mounting is None else Pose(*POSE("mounting", mounting))
+        self._mounting: MountingLike = "floor" if mounting is None else mounting
+        gravity(self._mounting)  # refuses what is no mounting
         self._commands = _COMMANDS("commands", commands)
         self._queue: SimpleQueue[object] = SimpleQueue()
         self._received: deque[TwinUpdate | Exception] = deque()
@@ -237,7 +239,8 @@ class Twin(Uncopied):
         if len(wobj) == 6:
             settings.append(("set_wobj", ("twin", wobj)))
         tool = Pose(*offset) if len(offset) == 6 else None
-        return Begin(self._model, limits, tool, self._mounting, self._commands, tuple(settings))
+        base = base_in_world(self._mounting, arm_of(self._model))
+        return Begin(self._model, limits, tool, base, self._commands, tuple(settings))
 
     def _begin(self) -> None:
         supervisor = self._supervisor

@@ -20,6 +20,7 @@ import aioduco.sync
 from aioduco import Joints
 from aioduco.cli.app import app
 from aioduco.errors import ParameterError, RobotStateError, TaskStopped
+from aioduco.kinematics import arm as arm_of
 from aioduco.recording import read
 from aioduco.sim import Simulator
 from aioduco.sim.twin import Cause, Quantity, TwinLimits, judge, learn
@@ -171,6 +172,25 @@ def test_a_recording_without_samples_is_not_judged(tmp_path: Path) -> None:
     path.write_bytes(HEAD + channel(1, "/commands"))
     told = CliRunner().invoke(app, ["twin", "--judge", str(path), "--arm", "gcr5_910"])
     assert (told.exit_code, "no samples" in told.output) == (1, True), told.output
+
+
+@pytest.mark.slow
+async def test_a_mounting_is_that_of_the_arm_which_is_there(tmp_path: Path) -> None:
+    """By its name it was that of a GCR5, so that a larger one's tool seemed to be elsewhere."""
+    model, path = "gcr10_1300", tmp_path / "run.mcap"
+    limits = dataclasses.replace(TwinLimits.of(arm_of(model)), delay=1e3, path=1e3)
+    async with (
+        Simulator(model=model, joints=READY, mounting="wall") as sim,
+        aioduco.connect(sim.host, sim.port, loop_stall_limit=30.0, lag_limit=None) as robot,
+    ):
+        await robot.bring_up()
+        async with robot.record(path), robot.twin(limits, mounting="wall") as twin:
+            await robot.motion.movej2(THERE, v=1.0, a=2.0)
+            await eventually_async(lambda: twin.figures.position is not None)
+            assert twin.figures.position == pytest.approx(0.0, abs=1e-3)
+            assert not twin.divergences
+    told = CliRunner().invoke(app, ["twin", "--judge", str(path), "--mounting", "wall"])
+    assert (told.exit_code, told.output) == (0, "nothing parted\n")
 
 
 @pytest.mark.slow
