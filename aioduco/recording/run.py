@@ -148,7 +148,8 @@ class RecordedRun:
             topic: the channel, such as "/joint_states"; see `topics`.
 
         Returns:
-            The arrays by field, with "time" in seconds since the recording began.
+            The arrays by field, with "time" in seconds since the recording began, also where the
+            messages of another maker have a field of this name.
 
         Raises:
             ParameterError: there is no such channel in this recording.
@@ -161,7 +162,7 @@ class RecordedRun:
         # differences first: the times themselves may be beyond 64 bits with a sign
         times = np.array([float(message.time_ns - self.started_ns) for message in messages])
         rows = [dict(_flat(_decoded(message))) for message in messages]
-        names = dict.fromkeys(name for row in rows for name in row)
+        names = dict.fromkeys(name for row in rows for name in row if name != "time")
         return {
             "time": times * 1e-9,
             **{name: _array([row.get(name) for row in rows]) for name in names},

@@ -106,6 +106,18 @@ def test_a_strange_file_is_read_or_refused_by_a_typed_error(kind: str, tmp_path:
         tracemalloc.stop()
 
 
+def test_the_times_are_those_of_the_recording_also_beside_a_field_of_this_name(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "run.mcap"
+    rows = (message(1, b'{"time": 7, "x": 1}', 10**18 + at * 10**9) for at in range(3))
+    path.write_bytes(HEAD + channel(1, "/x") + b"".join(rows) + END)
+    found = read(path).arrays("/x")
+    assert {name: values.tolist() for name, values in found.items()} == {
+        "time": [0.0, 1.0, 2.0], "x": [1, 1, 1]
+    }  # fmt: skip
+
+
 def joints(**changed: Any) -> bytes:
     """A file of a moving arm, of which the sample in the middle is changed."""
     rows: list[dict[str, Any]] = [{"position": [0.01 * number] * 6} for number in range(11)]
