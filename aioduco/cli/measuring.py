@@ -11,7 +11,7 @@ import numpy as np
 
 import aioduco
 from aioduco._wire.rpc import calls
-from aioduco.errors import Refused, RobotStateError, TaskError, TaskStopped
+from aioduco.errors import DucoError, Refused, RobotStateError, TaskError, TaskStopped
 from aioduco.models.enums import RobotState
 from aioduco.supervision.concurrency import every
 
@@ -277,18 +277,27 @@ async def _during(
 ) -> None:
     """Call `read` again and again until an action has ended, and once more then."""
     ended = False
+    error: DucoError | None = None  # raised outside of the group, which would wrap it
 
     async def act() -> None:
-        nonlocal ended
+        nonlocal ended, error
         try:
             await action
+        except DucoError as exc:
+            error = exc
         finally:
             ended = True
 
     async with anyio.create_task_group() as group:
         group.start_soon(act)
-        async for _ in every(interval):
-            if ended:
-                break
-            await read()
+        try:
+            async for _ in every(interval):
+                if ended:
+                    break
+                await read()
+        except DucoError as exc:
+            error = exc
+            group.cancel_scope.cancel()
+    if error is not None:
+        raise error
     await read()

@@ -7,8 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 from unittest.mock import AsyncMock
 
+import anyio
 import numpy as np
 import pytest
+from anyio.lowlevel import checkpoint
 from cli_runner import CliRunner
 
 import aioduco.sync
@@ -110,6 +112,17 @@ async def test_an_arm_that_is_not_enabled_is_not_moved(tmp_path: Path) -> None:
                 sim.host, sim.port, tmp_path / "run.mcap", Extent(), lambda _: None
             )
         assert sim.joints == pytest.approx(READY, abs=1e-6)
+
+
+async def test_an_error_of_a_motion_that_is_read_meanwhile_is_told_as_itself() -> None:
+    """In a group it ended the command by a traceback."""
+
+    async def fail() -> None:
+        raise aioduco.RobotStateError("the arm was stopped")
+
+    for action, read in ((fail, checkpoint), (anyio.sleep_forever, fail)):
+        with pytest.raises(aioduco.RobotStateError, match="the arm was stopped"):
+            await measuring._during(action(), read, 0.0)
 
 
 @pytest.mark.slow
