@@ -114,17 +114,19 @@ async def measure(
     moving = aioduco.connect(host, port, record=path, state_rate=_RATE, heartbeat=None)
     async with moving as robot:
         robot.envelope = limits
-        async with aioduco.connect(host, port):
-            states = await robot.state.get_robot_state()
-            if states.robot is not RobotState.ENABLE:
-                raise RobotStateError("the arm is not enabled: `aioduco bring-up` enables it")
-            start = np.array(await robot.state.get_actual_joints_position())
-            await _poses(robot, start, extent, progress)
-            await _turns(robot, start, extent, progress)
-            await _updates(robot, start, extent, progress)
-            await _corners(robot, start, extent, progress)
-            await _changes(robot, extent, progress)
-        await _lapses(robot, start, extent, progress)
+        # an undertaking ends when the program stood still: the arm does not go on by itself then
+        with robot.permit("check --motions"):
+            async with aioduco.connect(host, port):
+                states = await robot.state.get_robot_state()
+                if states.robot is not RobotState.ENABLE:
+                    raise RobotStateError("the arm is not enabled: `aioduco bring-up` enables it")
+                start = np.array(await robot.state.get_actual_joints_position())
+                await _poses(robot, start, extent, progress)
+                await _turns(robot, start, extent, progress)
+                await _updates(robot, start, extent, progress)
+                await _corners(robot, start, extent, progress)
+                await _changes(robot, extent, progress)
+            await _lapses(robot, start, extent, progress)
         return path if robot.recording is None else robot.recording.path
 
 

@@ -120,9 +120,28 @@ async def test_an_error_of_a_motion_that_is_read_meanwhile_is_told_as_itself() -
     async def fail() -> None:
         raise aioduco.RobotStateError("the arm was stopped")
 
-    for action, read in ((fail, checkpoint), (anyio.sleep_forever, fail)):
+    for action, look in ((fail, checkpoint), (anyio.sleep_forever, fail)):
         with pytest.raises(aioduco.RobotStateError, match="the arm was stopped"):
-            await measuring._during(action(), read, 0.0)
+            await measuring._during(action(), look, 0.0)
+
+
+async def test_an_arm_stays_where_it_stood_when_the_program_stood_still(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As in a computer that slept: it went on by itself, and no heartbeat was given any more."""
+
+    async def stand_still(robot: aioduco.Robot, *_: object) -> None:
+        robot._supervisor.gate.hang()
+
+    monkeypatch.setattr(measuring, "_poses", stand_still)
+    with Simulator(joints=READY) as sim:
+        async with aioduco.connect(sim.host, sim.port) as robot:
+            await robot.bring_up()
+        with pytest.raises(aioduco.RobotStateError, match="the event loop hung"):
+            await measuring.measure(
+                sim.host, sim.port, tmp_path / "run.mcap", Extent(), lambda _: None
+            )
+        assert not sim.tasks
 
 
 @pytest.mark.slow
