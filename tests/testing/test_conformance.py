@@ -21,7 +21,13 @@ from test_cli import process
 import aioduco.sync
 from aioduco._wire.connection import Connection
 from aioduco.cli.app import app
-from aioduco.errors import ConnectError, ConnectTimeout, NotAController, StopUnconfirmed
+from aioduco.errors import (
+    ConnectError,
+    ConnectTimeout,
+    HeartbeatLost,
+    NotAController,
+    StopUnconfirmed,
+)
 from aioduco.sim import Simulator
 from aioduco.sim.controller.tasks import TaskTable
 from aioduco.testing import DropReply, FaultProxy, check_controller
@@ -208,6 +214,21 @@ def test_a_second_interrupt_does_not_keep_the_arm_from_being_stopped(
             session.rest()
         session.close()
         assert bench.received("stop")
+
+
+def test_no_check_follows_when_the_program_stood_still(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As in a computer that slept: the arm went on to turn when it woke up."""
+    slept = 0.0
+    monkeypatch.setattr(check_session, "boot_time", lambda: time.monotonic() + slept)
+
+    def sleep(_: CheckResult) -> None:
+        nonlocal slept
+        slept = 100.0
+
+    with Bench() as bench:
+        with pytest.raises(HeartbeatLost, match="stood still for 95 s or more"):
+            check_controller(bench.host, bench.port, move=True, progress=sleep)
+        assert not bench.received("movej2")
 
 
 @pytest.mark.slow

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import time
 from typing import TYPE_CHECKING, Any
 
+from aioduco._process.platform import boot_time
 from aioduco._wire.connection import Connection
 from aioduco._wire.endpoint import Endpoint
 from aioduco._wire.own_connection import OwnConnection
@@ -15,6 +17,7 @@ from aioduco.errors import (
     ConnectionLost,
     ConnectTimeout,
     ControllerError,
+    HeartbeatLost,
     NotAController,
     StopUnconfirmed,
 )
@@ -31,6 +34,8 @@ if TYPE_CHECKING:
 CALL, MOTION = 5.0, 30.0
 #: seconds after which it is given up to bring the arm to rest
 _REST_LIMIT = 15.0
+#: seconds beyond the time-out of the call before after which the program must have stood still
+_AWAY = 30.0
 
 
 class Differs(Exception):
@@ -53,6 +58,8 @@ class CheckSession:
         self.address: tuple[str, int] = (host, port)
         # After a missing answer, no other call can use its connection: the next one opens another.
         self._own = OwnConnection(Endpoint(host, port, CALL))
+        #: until when the next call is made, unless the program stands still
+        self._due = math.inf
 
     def open(self) -> None:
         """Connect.
@@ -81,7 +88,15 @@ class CheckSession:
         Raises:
             DucoError: there is no answer, or the answer is an error.
             ConnectError: there is no answer, nor one to another call: no check can follow.
+            HeartbeatLost: the program stood still, as in a computer that slept.
         """
+        now = boot_time()
+        if now > self._due:
+            raise HeartbeatLost(
+                f"this program stood still for {now - self._due + _AWAY:.0f} s or more: the "
+                f"check ends here, and {name} was not sent. Give the command again"
+            )
+        self._due = now + timeout + _AWAY
         try:
             return self._own.call(name, args, timeout)
         except CallTimeout as error:

@@ -6,7 +6,7 @@ import contextlib
 import time
 from typing import TYPE_CHECKING
 
-from aioduco.errors import ConnectError, DucoError, StopUnconfirmed
+from aioduco.errors import ConnectError, DucoError, HeartbeatLost, StopUnconfirmed
 from aioduco.models.host_port import host_port
 from aioduco.testing.conformance.check_session import CheckSession, Differs, NotTried
 from aioduco.testing.conformance.controller_report import CheckResult, ControllerReport, Verdict
@@ -46,6 +46,7 @@ def check_controller(
 
     Raises:
         ConnectError: there is no controller, or it can no longer be reached.
+        HeartbeatLost: this program stood still, as in a computer that slept; the arm was stopped.
         StopUnconfirmed: it is not known that the arm stands, after a check that moved it.
     """
     from aioduco.testing.conformance.moving import MOVING  # noqa: PLC0415 - loads NumPy
@@ -88,7 +89,7 @@ def _checked(session: CheckSession, looked: Looked) -> CheckResult:
         verdict, found = Verdict.DIFFERENT, str(reason)
     except NotTried as reason:
         verdict, found = Verdict.OPEN, f"not tried: {reason}"
-    except (ConnectError, StopUnconfirmed):  # no further check can be made, or may be
+    except (ConnectError, HeartbeatLost, StopUnconfirmed):  # no further check can or may be made
         raise
     except DucoError as error:
         verdict, found = Verdict.DIFFERENT, f"{type(error).__name__}: {error}"
