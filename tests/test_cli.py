@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import logging
 import os
 import re
 import signal
@@ -351,6 +352,9 @@ def test_the_demo_names_commands_for_its_arm_in_its_error() -> None:
         assert answer.exit_code == 1
         where = f"{sim.host}:{sim.port}"
         assert f"then call `aioduco bring-up {where}` again" in json.loads(answer.stdout)["error"]
+    assert logging.lastResort is not None
+    warning = logging.makeLogRecord({"msg": "call robot.recover() to go on"})
+    assert logging.lastResort.format(warning) == f"call `aioduco recover {where}` to go on"
 
 
 @pytest.mark.slow

@@ -29,7 +29,7 @@ from aioduco.cli.command_terms import in_commands
 from aioduco.cli.exit_codes import write_file, writing
 from aioduco.cli.monitor.screen import arm_table
 from aioduco.cli.monitor.view_state import MonitorState
-from aioduco.cli.output import say
+from aioduco.cli.output import log_about, say
 from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.safe_console import SafeConsole
 from aioduco.cli.sessions import observing_session, require_still_at
@@ -629,6 +629,7 @@ def run(
 def _performed(
     host: str, port: int, plan: Choreography, shown: Demonstration, clock: Clock | None = None
 ) -> signal.Signals | None:
+    log_about(host_port(host, port))
     if clock is None:
         robot = aioduco.connect(host, port, state_rate=_SAMPLES)
     else:  # a simulated arm, which can hurt nobody: a busy computer may stand still for a while
