@@ -1024,6 +1024,7 @@ class BlockingMotions(Section):
         Raises:
             ParameterError: an argument is out of range.
             LayoutUnknown: it is not known how the controller's version takes the arguments.
+            RobotStateError: the robot was not opened yet, so the version is not known.
 
         Manual section 1.3.14.
         """
@@ -1064,6 +1065,7 @@ class BlockingMotions(Section):
         Raises:
             ParameterError: an argument is out of range.
             LayoutUnknown: it is not known how the controller's version takes the arguments.
+            RobotStateError: the robot was not opened yet, so the version is not known.
 
         Manual section 1.3.14. It gives no ranges for v and a: those of `movej2` apply.
         """
@@ -1113,6 +1115,7 @@ class BlockingMotions(Section):
         Raises:
             ParameterError: an argument is out of range.
             LayoutUnknown: it is not known how the controller's version takes the arguments.
+            RobotStateError: the robot was not opened yet, so the version is not known.
 
         Manual section 1.3.14. It gives no ranges for v and a: those of `movej_pose2` apply.
         """
@@ -1163,6 +1166,7 @@ class BlockingMotions(Section):
         Raises:
             ParameterError: an argument is out of range.
             LayoutUnknown: it is not known how the controller's version takes the arguments.
+            RobotStateError: the robot was not opened yet, so the version is not known.
 
         Manual section 1.3.14, which prints its name as move1_eaxis.
         """
@@ -1218,6 +1222,7 @@ class BlockingMotions(Section):
         Raises:
             ParameterError: an argument is out of range.
             LayoutUnknown: it is not known how the controller's version takes the arguments.
+            RobotStateError: the robot was not opened yet, so the version is not known.
 
         Manual section 1.3.14. It has no `mode`; the wire does.
         """
@@ -1272,6 +1277,7 @@ class BlockingMotions(Section):
         Raises:
             ParameterError: an argument is out of range.
             LayoutUnknown: it is not known how the controller's version takes the arguments.
+            RobotStateError: the robot was not opened yet, so the version is not known.
 
         Not in the manual, only on the wire. The ranges are those of `movec_eaxis`.
         """

@@ -177,6 +177,7 @@ class ExternalAxes(Section):
 
     def _with_axes(self, call: WireCall[int], r: float = 0.0) -> MotionCommand:
         """Make a motion whose schemes are sent as the controller's version takes them."""
+        self._supervisor.dispatcher.require_opened(call.name)  # before, its version is unknown
         return self._motion(_as_taken(call, self._supervisor.version), r)
 
     def move_eaxis(
@@ -198,6 +199,7 @@ class ExternalAxes(Section):
         Raises:
             ParameterError: an argument is out of range.
             LayoutUnknown: it is not known how the controller's version takes the arguments.
+            RobotStateError: the robot was not opened yet, so the version is not known.
 
         Manual section 1.3.14.
         """
@@ -291,6 +293,7 @@ class ExternalAxes(Section):
         Raises:
             ParameterError: an argument is out of range.
             LayoutUnknown: it is not known how the controller's version takes the arguments.
+            RobotStateError: the robot was not opened yet, so the version is not known.
 
         Manual section 1.3.14. It gives no ranges for v and a: those of `movej2` apply.
         """
@@ -340,6 +343,7 @@ class ExternalAxes(Section):
         Raises:
             ParameterError: an argument is out of range.
             LayoutUnknown: it is not known how the controller's version takes the arguments.
+            RobotStateError: the robot was not opened yet, so the version is not known.
 
         Manual section 1.3.14. It gives no ranges for v and a: those of `movej_pose2` apply.
         """
@@ -388,6 +392,7 @@ class ExternalAxes(Section):
         Raises:
             ParameterError: an argument is out of range.
             LayoutUnknown: it is not known how the controller's version takes the arguments.
+            RobotStateError: the robot was not opened yet, so the version is not known.
 
         Manual section 1.3.14, which prints its name as move1_eaxis.
         """
@@ -441,6 +446,7 @@ class ExternalAxes(Section):
         Raises:
             ParameterError: an argument is out of range.
             LayoutUnknown: it is not known how the controller's version takes the arguments.
+            RobotStateError: the robot was not opened yet, so the version is not known.
 
         Manual section 1.3.14. It has no `mode`; the wire does.
         """
@@ -495,6 +501,7 @@ class ExternalAxes(Section):
         Raises:
             ParameterError: an argument is out of range.
             LayoutUnknown: it is not known how the controller's version takes the arguments.
+            RobotStateError: the robot was not opened yet, so the version is not known.
 
         Not in the manual, only on the wire. The ranges are those of `movec_eaxis`.
         """

@@ -2382,6 +2382,7 @@ class BlockingMotions(_Section):
         Raises:
             ParameterError: an argument is out of range.
             LayoutUnknown: it is not known how the controller's version takes the arguments.
+            RobotStateError: the robot was not opened yet, so the version is not known.
 
         Manual section 1.3.14.
         """
@@ -2421,6 +2422,7 @@ class BlockingMotions(_Section):
         Raises:
             ParameterError: an argument is out of range.
             LayoutUnknown: it is not known how the controller's version takes the arguments.
+            RobotStateError: the robot was not opened yet, so the version is not known.
 
         Manual section 1.3.14. It gives no ranges for v and a: those of `movej2` apply.
         """
@@ -2469,6 +2471,7 @@ class BlockingMotions(_Section):
         Raises:
             ParameterError: an argument is out of range.
             LayoutUnknown: it is not known how the controller's version takes the arguments.
+            RobotStateError: the robot was not opened yet, so the version is not known.
 
         Manual section 1.3.14. It gives no ranges for v and a: those of `movej_pose2` apply.
         """
@@ -2518,6 +2521,7 @@ class BlockingMotions(_Section):
         Raises:
             ParameterError: an argument is out of range.
             LayoutUnknown: it is not known how the controller's version takes the arguments.
+            RobotStateError: the robot was not opened yet, so the version is not known.
 
         Manual section 1.3.14, which prints its name as move1_eaxis.
         """
@@ -2572,6 +2576,7 @@ class BlockingMotions(_Section):
         Raises:
             ParameterError: an argument is out of range.
             LayoutUnknown: it is not known how the controller's version takes the arguments.
+            RobotStateError: the robot was not opened yet, so the version is not known.
 
         Manual section 1.3.14. It has no `mode`; the wire does.
         """
@@ -2625,6 +2630,7 @@ class BlockingMotions(_Section):
         Raises:
             ParameterError: an argument is out of range.
             LayoutUnknown: it is not known how the controller's version takes the arguments.
+            RobotStateError: the robot was not opened yet, so the version is not known.
 
         Not in the manual, only on the wire. The ranges are those of `movec_eaxis`.
         """
@@ -3487,6 +3493,7 @@ class ExternalAxes(_Section):
             TaskError: it ended otherwise: one of the subclasses.
             ParameterError: an argument is out of range.
             LayoutUnknown: it is not known how the controller's version takes the arguments.
+            RobotStateError: the robot was not opened yet, so the version is not known.
 
         Manual section 1.3.14.
         """
@@ -3570,6 +3577,7 @@ class ExternalAxes(_Section):
             TaskError: it ended otherwise: one of the subclasses.
             ParameterError: an argument is out of range.
             LayoutUnknown: it is not known how the controller's version takes the arguments.
+            RobotStateError: the robot was not opened yet, so the version is not known.
 
         Manual section 1.3.14. It gives no ranges for v and a: those of `movej2` apply.
         """
@@ -3619,6 +3627,7 @@ class ExternalAxes(_Section):
             TaskError: it ended otherwise: one of the subclasses.
             ParameterError: an argument is out of range.
             LayoutUnknown: it is not known how the controller's version takes the arguments.
+            RobotStateError: the robot was not opened yet, so the version is not known.
 
         Manual section 1.3.14. It gives no ranges for v and a: those of `movej_pose2` apply.
         """
@@ -3667,6 +3676,7 @@ class ExternalAxes(_Section):
             TaskError: it ended otherwise: one of the subclasses.
             ParameterError: an argument is out of range.
             LayoutUnknown: it is not known how the controller's version takes the arguments.
+            RobotStateError: the robot was not opened yet, so the version is not known.
 
         Manual section 1.3.14, which prints its name as move1_eaxis.
         """
@@ -3720,6 +3730,7 @@ class ExternalAxes(_Section):
             TaskError: it ended otherwise: one of the subclasses.
             ParameterError: an argument is out of range.
             LayoutUnknown: it is not known how the controller's version takes the arguments.
+            RobotStateError: the robot was not opened yet, so the version is not known.
 
         Manual section 1.3.14. It has no `mode`; the wire does.
         """
@@ -3772,6 +3783,7 @@ class ExternalAxes(_Section):
             TaskError: it ended otherwise: one of the subclasses.
             ParameterError: an argument is out of range.
             LayoutUnknown: it is not known how the controller's version takes the arguments.
+            RobotStateError: the robot was not opened yet, so the version is not known.
 
         Not in the manual, only on the wire. The ranges are those of `movec_eaxis`.
         """

@@ -159,6 +159,12 @@ async def test_motions_of_external_axes(desk: Desk, version: str, refused: tuple
 
 
 @for_each("name", newer.SCHEMES)
+def test_a_motion_of_external_axes_is_not_made_before_the_version_is_known(name: str) -> None:
+    with pytest.raises(aioduco.RobotStateError, match=f"{name} was not sent.*not open"):
+        moves(aioduco.connect("127.0.0.1"))[name]()
+
+
+@for_each("name", newer.SCHEMES)
 def test_a_tap_reads_schemes_in_lists(name: str) -> None:
     function = idl.functions()[name]
     assert function.listed is not None
