@@ -11,7 +11,15 @@ import numpy as np
 
 import aioduco
 from aioduco._wire.rpc import calls
-from aioduco.errors import DucoError, Refused, RobotStateError, TaskError, TaskStopped
+from aioduco.errors import (
+    DucoError,
+    Refused,
+    RobotStateError,
+    TaskFailed,
+    TaskIllegal,
+    TaskParameterMismatch,
+    TaskStopped,
+)
 from aioduco.models.enums import RobotState
 from aioduco.supervision.concurrency import every
 
@@ -220,7 +228,7 @@ async def _corners(
                     motion.movel(corner, *pace, r=radius * reach), motion.movel(end, *pace)
                 )
                 await anyio.sleep(_STILL)
-    except (Refused, TaskError) as error:
+    except (Refused, TaskFailed, TaskIllegal, TaskParameterMismatch) as error:  # not a stop
         progress(f"corners of lines are left out: {error}")
     await motion.movej2(start.tolist(), v=_BETWEEN[0], a=_BETWEEN[1])
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
-from unittest.mock import AsyncMock
+from typing import Any
+from unittest.mock import AsyncMock, Mock
 
 import anyio
 import numpy as np
@@ -17,7 +18,16 @@ import aioduco.sync
 from aioduco.cli import measuring
 from aioduco.cli.app import app
 from aioduco.cli.measuring import Extent
-from aioduco.errors import CalibrationError, ParameterError, RecordingError
+from aioduco.errors import (
+    CalibrationError,
+    ParameterError,
+    RecordingError,
+    TaskError,
+    TaskFailed,
+    TaskInterrupted,
+    TaskStopped,
+    TaskUnknown,
+)
 from aioduco.recording.run import read
 from aioduco.sim import ArmProfile, Simulator
 from aioduco.sim.calibration import calibrate, evidence, profile_of
@@ -103,6 +113,36 @@ async def test_corners_and_a_heartbeat_that_ends_are_recorded(
     assert all(each.high >= slack.value for each in found.get("heartbeat", {}).values())
     for name, (_, low, high) in found.get("blends", {}).items():
         assert low <= hidden[name] <= high, name
+
+
+@pytest.mark.cases(4)
+@pytest.mark.parametrize("ended", [TaskFailed, TaskInterrupted, TaskStopped, TaskUnknown])
+async def test_only_lines_that_fail_are_left_out(
+    ended: type[TaskError], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """After a stop by another program, the arm went on to the next motion by itself."""
+    monkeypatch.setattr(measuring, "_STILL", 0.0)
+    robot, moves = Mock(), list[object]()
+    robot.state.get_tcp_pose = AsyncMock(return_value=aioduco.Pose(0.4, 0.1, 0.5, 0.0, 0.0, 0.0))
+    robot.motion.movej2.side_effect = lambda *_, **__: checkpoint()
+
+    async def run(*motions: Any) -> None:
+        moves.append(motions)
+        if robot.motion.movel.called:
+            raise ended("movel", 7, "ended")
+        for motion in motions:
+            await motion
+
+    robot.motion.run = run
+    go = measuring._corners(robot, np.array(READY), Extent(), lambda _: None)
+    if ended is TaskFailed:
+        await go
+        assert robot.motion.movej2.call_args.args == (list(READY),)
+    else:
+        with pytest.raises(ended):
+            await go
+        assert len(moves) == 2 * len(measuring._RADII) + 1
+        assert robot.motion.movej2.call_count == 4 * len(measuring._RADII)
 
 
 async def test_an_arm_that_is_not_enabled_is_not_moved(tmp_path: Path) -> None:
