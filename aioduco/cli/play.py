@@ -63,7 +63,7 @@ def play(
         bridge: Bridge gaps in which the arm is known to within this [rad].
         outputs: Also set the digital outputs that changed.
         record: Record what the arm does to this file.
-        envelope: Limits to keep to: TOML, see docs.
+        envelope: Limits to keep to, besides those of --cell: TOML, see docs.
         check: Print the reasons against playing it; move nothing.
         rehearse: Play it on a simulated arm before a real one.
         yes: Do not ask before an arm moves.
@@ -75,6 +75,7 @@ def play(
     if model is not None:
         extras.arm(model)
     from aioduco.cli.playing import PlayedFile  # noqa: PLC0415 - for this command alone
+    from aioduco.envelope import Envelope  # noqa: PLC0415
     from aioduco.recording import read  # noqa: PLC0415
     from aioduco.recording.playback import (  # noqa: PLC0415
         RecordedPath,
@@ -104,7 +105,9 @@ def play(
             around = {**found.simulator_options(host), **around}
             told = model or found.robot(host).model if found.robots else told
         if envelope is not None:
-            limits = read_envelope(envelope, arm=told)
+            of_cell = () if limits is None else limits.limits
+            given = read_envelope(envelope, arm=told if limits is None else limits.arm.name)
+            limits = Envelope(given.arm, *of_cell, *given.limits)
         if limits is not None:
             told = limits.arm.name
         task = PlayedFile(what, told, speed, outputs, record, limits)

@@ -440,6 +440,10 @@ def test_play_keeps_to_an_envelope(tmp_path: Path) -> None:
         assert run("play", what, "--check", "--envelope", str(wide)).exit_code == 0
         beyond = run("play", what, "--check", "--envelope", str(narrow))
         assert (beyond.exit_code, "narrow" in beyond.stderr) == (1, True)
+    cell = tmp_path / "limits.toml"
+    cell.write_text(f"arm = 'gcr5_910'\n{narrow.read_text()}")
+    both = run("play", file, "--check", "--cell", str(cell), "--envelope", str(wide))
+    assert (both.exit_code, "narrow" in both.stderr) == (1, True), "those of the cell hold, too"
     with Simulator(joints=FAR) as sim:
         to = (sim.host, "--port", str(sim.port), "--no-rehearse", "--yes")
         for what in (file, str(kept)):
