@@ -6,7 +6,7 @@ import sys
 import time
 import warnings
 from collections.abc import Iterable
-from contextlib import contextmanager
+from contextlib import AsyncExitStack, contextmanager
 from functools import cached_property
 from importlib import import_module
 from typing import TYPE_CHECKING
@@ -447,11 +447,12 @@ class Robot(Uncopied, ManualNames, MisspeltRefused):
         finally:
             twins, self._twins = self._twins, []
             observers, self._observers = self._observers, []
-            for twin in twins:
-                await twin.stop()
-            # Last, so that the closing of the robot is recorded, too.
-            for observer in observers:
-                await observer.stop()
+            # The recordings last, so that the closing of the robot is recorded, too.
+            async with AsyncExitStack() as ends:  # each ends, whatever another one raises
+                for observer in observers:
+                    ends.push_async_callback(observer.stop)
+                for twin in twins:
+                    ends.push_async_callback(twin.stop)
 
     if not TYPE_CHECKING:  # hidden from type checkers, which then report their use
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import os
 import random
@@ -24,6 +25,7 @@ from aioduco.errors import TaskStopped
 from aioduco.models.enums import TaskState
 from aioduco.recording import RecordedRun, channels, read, writer
 from aioduco.recording.moving_gaps import MovingGaps
+from aioduco.recording.recorder import Recording
 from aioduco.sim import Simulator
 from aioduco.testing import eventually, eventually_async
 
@@ -267,6 +269,31 @@ async def test_closing_the_robot_ends_its_recordings(bench: Bench, tmp_path: Pat
         # the stop on the way out is in it
         assert data(run, "/commands")[-1]["function"] == "stop"
         assert data(run, "/tasks")[-1]["outcome"] == "STOPPED"
+
+
+async def test_each_recording_ends_also_if_closing_is_cancelled_while_another_ends(
+    bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun: set[Recording] = set()
+
+    async def cancelled(self: Recording) -> None:
+        if self not in begun:
+            begun.add(self)
+            closing.cancel()
+        await stop(self)
+
+    async def close() -> None:
+        async with aioduco.connect(bench.host, bench.port) as robot:
+            for name in "ab":
+                await robot.record(tmp_path / f"{name}.mcap").start()
+
+    stop = Recording._stop
+    monkeypatch.setattr(Recording, "_stop", cancelled)
+    closing = asyncio.create_task(close())
+    with pytest.raises(asyncio.CancelledError):
+        await closing
+    assert recorders() == []
+    assert all(read(tmp_path / f"{name}.mcap").complete for name in "ab")
 
 
 async def test_a_recording_whose_start_is_cancelled_is_over(
