@@ -65,6 +65,8 @@ def mjcf_text(name: str, trees: Sequence[ArmTree], meshes: Mapping[str, Path]) -
         ET.SubElement(asset, "mesh", name=path.stem, file=str(path))
     keys = ET.SubElement(root, "keyframe")
     for state, q in STATES.items():
+        if not all(state in tree.states for tree in trees):
+            continue
         values = numbers(tuple(q) * len(trees))
         ET.SubElement(keys, "key", name=state, qpos=values, ctrl=values)
     return pretty(

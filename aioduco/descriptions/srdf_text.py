@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
 
 from aioduco.descriptions.collisions import LinkPair, disabled_pairs
-from aioduco.descriptions.tree import STATES, ArmTree
 from aioduco.descriptions.xml_text import numbers, pretty
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from aioduco.descriptions.tree import ArmTree
 
 
 GROUP = "manipulator"
@@ -41,7 +42,7 @@ def srdf_text(
         effector = ET.SubElement(robot, "group", name=prefix + END_EFFECTOR)
         for link in _carried(tree):
             ET.SubElement(effector, "link", name=link)
-        for state, q in STATES.items():
+        for state, q in tree.states.items():
             element = ET.SubElement(robot, "group_state", name=state, group=prefix + group_name)
             for (joint, _), angle in zip(tree.turning, q, strict=True):
                 ET.SubElement(element, "joint", name=joint.name, value=numbers([angle]))

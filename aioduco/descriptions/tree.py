@@ -276,6 +276,11 @@ class ArmTree(NamedTuple):
         return tuple((joint, joint.limits) for joint in self.joints if joint.limits is not None)
 
     @property
+    def states(self) -> dict[str, Joints]:
+        """Those of `STATES` that are within the arm's limits."""
+        return {name: q for name, q in STATES.items() if self.arm.arm.within_limits(q)}
+
+    @property
     def tip(self) -> str:
         """The link whose poses are planned: the tool's tip, or `tool0` without a tool."""
         return self.arm.prefix + ("tool0" if self.arm.tool is None else "tcp")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ import numpy as np
 import pytest
 from for_each import for_each
 
-from aioduco.descriptions import STATES, ArmDescription, mjcf, mjcf_scene
+from aioduco.descriptions import STATES, ArmDescription, mjcf, mjcf_scene, srdf
 from aioduco.kinematics import arm, models
 from aioduco.kinematics.bodies import ROTOR, bodies
 from aioduco.kinematics.looks import COLOURS, looks, merged
@@ -55,6 +56,14 @@ def test_it_stands_at_home_on_a_floor(model: str, tmp_path: Path) -> None:
     assert not data.warning.number.any()
     assert np.abs(data.qpos - STATES["home"].array).max() < 0.02
     assert np.abs(data.qvel).max() < 1e-3
+
+
+def test_configurations_beyond_limits_of_ones_own_are_left_out() -> None:
+    narrow = replace(arm("gcr5_910"), lower=(-1.6,) * 6, upper=(1.6,) * 6)
+    loaded = mujoco.MjModel.from_xml_string(mjcf(narrow))
+    assert [loaded.key(i).name for i in range(loaded.nkey)] == ["up"]
+    states = ET.fromstring(srdf(narrow)).iter("group_state")
+    assert [state.get("name") for state in states] == ["up"]
 
 
 @pytest.mark.slow
