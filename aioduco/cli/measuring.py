@@ -10,6 +10,7 @@ import anyio
 import numpy as np
 
 import aioduco
+from aioduco._process.platform import boot_time
 from aioduco._wire.rpc import calls
 from aioduco.errors import (
     DucoError,
@@ -56,6 +57,8 @@ _JOINT_PACE, _LINE_PACE = 0.45, 0.1
 _ANNOUNCED: Final = 0.5
 _LAPSE: Final = 8.0
 _FORGOTTEN: Final = 3.0
+#: seconds beyond that motion's time after which the program must have stood still
+_AWAY: Final = 30.0
 #: what the joints may turn at most, as a share of the reach: first the large ones of the arm
 _SHARES: Final = np.array([1.0, 0.6, 0.6, 1.0, 1.2, 1.5])
 
@@ -134,7 +137,7 @@ async def measure(
                 await _updates(robot, start, extent, progress)
                 await _corners(robot, start, extent, progress)
                 await _changes(robot, extent, progress)
-            await _lapses(robot, start, extent, progress)
+        await _lapses(robot, start, extent, progress)
         return path if robot.recording is None else robot.recording.path
 
 
@@ -249,10 +252,12 @@ async def _lapses(
     way = 1.4 * extent.reach * np.eye(6)[5]
     for i in range(extent.lapses):
         progress(f"a heartbeat that ends, {i + 1} of {extent.lapses}")
-        await anyio.sleep(_FORGOTTEN)
-        await robot.motion.movej2((start - way).tolist(), v=_BETWEEN[0], a=_BETWEEN[1])
-        goal = (start + way).tolist()
-        task = await robot.motion.movej2(goal, v=2.0 * way[5] / _LAPSE, a=_BETWEEN[1]).start()
+        with robot.permit("check --motions"):  # of its own: the end of the heartbeat ends it, too
+            await anyio.sleep(_FORGOTTEN)
+            await robot.motion.movej2((start - way).tolist(), v=_BETWEEN[0], a=_BETWEEN[1])
+            goal = (start + way).tolist()
+            task = await robot.motion.movej2(goal, v=2.0 * way[5] / _LAPSE, a=_BETWEEN[1]).start()
+        begun = boot_time()
         await anyio.sleep(_STILL)
         await robot._supervisor.rpc.send(calls.rpc_heartbeat(round(1000 * _ANNOUNCED)))
         try:
@@ -261,6 +266,11 @@ async def _lapses(
             await anyio.sleep(_STILL)
         else:
             progress("the controller did not stop the arm")
+        if (away := boot_time() - begun - _LAPSE) > _AWAY:
+            raise RobotStateError(
+                f"this program stood still for {away:.0f} s: nothing more was sent, and what was "
+                "recorded is kept. Give the command again"
+            )
         states = await robot.state.get_robot_state()
         if states.robot is not RobotState.ENABLE:
             raise RobotStateError(

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
-from unittest.mock import AsyncMock, Mock
+from unittest.mock import AsyncMock, MagicMock, Mock
 
 import anyio
 import numpy as np
@@ -143,6 +143,20 @@ async def test_only_lines_that_fail_are_left_out(
             await go
         assert len(moves) == 2 * len(measuring._RADII) + 1
         assert robot.motion.movej2.call_count == 4 * len(measuring._RADII)
+
+
+async def test_an_arm_whose_heartbeat_ended_stays_there_if_the_program_stood_still(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for name in ("_STILL", "_FORGOTTEN"):
+        monkeypatch.setattr(measuring, name, 0.0)
+    monkeypatch.setattr(measuring, "boot_time", Mock(side_effect=(5.0, 105.0)))
+    robot, move = MagicMock(), AsyncMock()
+    robot.motion.movej2.side_effect = (move(), Mock(start=AsyncMock(return_value=move())))
+    robot._supervisor.rpc.send = AsyncMock()
+    with pytest.raises(aioduco.RobotStateError, match="stood still for 92 s"):
+        await measuring._lapses(robot, np.array(READY), Extent(lapses=2), lambda _: None)
+    assert robot.motion.movej2.call_count == 2
 
 
 async def test_an_arm_that_is_not_enabled_is_not_moved(tmp_path: Path) -> None:
