@@ -27,11 +27,19 @@ from aioduco.errors import (
     HeartbeatLost,
     NotAController,
     StopUnconfirmed,
+    TaskStopped,
 )
+from aioduco.models.enums import TaskState
 from aioduco.sim import Simulator
 from aioduco.sim.controller.tasks import TaskTable
 from aioduco.testing import DropReply, FaultProxy, check_controller
-from aioduco.testing.conformance import CheckResult, ControllerReport, Verdict, check_session
+from aioduco.testing.conformance import (
+    CheckResult,
+    ControllerReport,
+    Verdict,
+    check_session,
+    moving,
+)
 from aioduco.testing.conformance.check_session import CheckSession
 from aioduco.testing.conformance.moving import MOVING
 from aioduco.testing.conformance.reading import READING
@@ -194,6 +202,31 @@ def test_an_arm_that_cannot_be_stopped_is_said_and_not_moved_again(
         with pytest.raises(StopUnconfirmed, match="emergency stop"):
             check_controller(proxy.host, proxy.port, move=True)
         cutting.join()
+
+
+def test_a_stop_by_another_program_ends_the_check(
+    sim: Simulator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The next check moved the arm again."""
+    bring_up(sim)
+    task, done = CheckSession.task, False
+
+    def task_of(session: CheckSession, id_: int) -> TaskState:
+        nonlocal done
+        if not done:
+            done = True
+            session.begun(id_)
+            with session.another() as connection:
+                connection.call("stop", (True,), 30.0)
+        return task(session, id_)
+
+    monkeypatch.setattr(CheckSession, "task", task_of)
+    monkeypatch.setattr(moving, "_TURN", 6.0)  # a motion that does not end before
+    seen: list[CheckResult] = []
+    with pytest.raises(TaskStopped, match="another program"):
+        check_controller(sim.host, sim.port, move=True, progress=seen.append)
+    assert len(seen) == len(READING)
+    assert not sim.view.moving
 
 
 def test_a_second_interrupt_does_not_keep_the_arm_from_being_stopped(

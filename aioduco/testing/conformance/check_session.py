@@ -20,6 +20,7 @@ from aioduco.errors import (
     HeartbeatLost,
     NotAController,
     StopUnconfirmed,
+    TaskStopped,
 )
 from aioduco.models.enums import RobotState, SafetyState, TaskState
 from aioduco.streaming.worker.rest import bring_to_rest
@@ -149,6 +150,23 @@ class CheckSession:
         """Wait for the end of a task, up to a time-out; return its state."""
         self.until(lambda: self.task(id_).ended)
         return self.task(id_)
+
+    def own_end_of(self, id_: int) -> TaskState:
+        """As `end_of`, of a motion that its check lets go to its end.
+
+        Raises:
+            TaskStopped: another program has stopped or paused it.
+        """
+        held = (TaskState.PAUSED, TaskState.STOPPED)
+        self.until(lambda: (state := self.task(id_)).ended or state in held)
+        return self.let_go(id_, self.task(id_))
+
+    def let_go(self, id_: int | None, state: int) -> TaskState:
+        """Return the end of a motion that its check lets go to its end; raises as `own_end_of`."""
+        if state in (TaskState.PAUSED, TaskState.STOPPED):
+            what = "was stopped or paused by another program: the check ends here, the arm stands"
+            raise TaskStopped("a motion", id_, what)
+        return TaskState(state)
 
     def moving(self) -> bool:
         """Whether the controller says that the arm moves."""

@@ -6,7 +6,13 @@ import contextlib
 import time
 from typing import TYPE_CHECKING
 
-from aioduco.errors import ConnectError, DucoError, HeartbeatLost, StopUnconfirmed
+from aioduco.errors import (
+    ConnectError,
+    DucoError,
+    HeartbeatLost,
+    StopUnconfirmed,
+    TaskStopped,
+)
 from aioduco.models.host_port import host_port
 from aioduco.testing.conformance.check_session import CheckSession, Differs, NotTried
 from aioduco.testing.conformance.controller_report import CheckResult, ControllerReport, Verdict
@@ -48,6 +54,7 @@ def check_controller(
         ConnectError: there is no controller, or it can no longer be reached.
         HeartbeatLost: this program stood still, as in a computer that slept; the arm was stopped.
         StopUnconfirmed: it is not known that the arm stands, after a check that moved it.
+        TaskStopped: another program has stopped or paused the arm: it was not moved again.
     """
     from aioduco.testing.conformance.moving import MOVING  # noqa: PLC0415 - loads NumPy
     from aioduco.testing.conformance.reading import READING  # noqa: PLC0415
@@ -89,7 +96,7 @@ def _checked(session: CheckSession, looked: Looked) -> CheckResult:
         verdict, found = Verdict.DIFFERENT, str(reason)
     except NotTried as reason:
         verdict, found = Verdict.OPEN, f"not tried: {reason}"
-    except (ConnectError, HeartbeatLost, StopUnconfirmed):  # no further check can or may be made
+    except (ConnectError, HeartbeatLost, StopUnconfirmed, TaskStopped):  # no further check may be
         raise
     except DucoError as error:
         verdict, found = Verdict.DIFFERENT, f"{type(error).__name__}: {error}"
