@@ -145,16 +145,28 @@ async def test_only_lines_that_fail_are_left_out(
         assert robot.motion.movej2.call_count == 4 * len(measuring._RADII)
 
 
-async def test_an_arm_whose_heartbeat_ended_stays_there_if_the_program_stood_still(
+@pytest.mark.cases(2)
+@pytest.mark.parametrize(
+    ("times", "stopped", "error"),
+    [
+        ((5.0, 105.0), None, (aioduco.RobotStateError, "stood still for 92 s")),
+        ((5.0, 6.0), TaskStopped("movej2", 7, "was stopped"), (TaskStopped, "was stopped")),
+    ],
+    ids=["the program stood still", "stopped before the heartbeat had run out"],
+)
+async def test_an_arm_whose_heartbeat_ended_is_not_turned_again(
+    times: tuple[float, float],
+    stopped: TaskStopped | None,
+    error: tuple[type[aioduco.DucoError], str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    for name in ("_STILL", "_FORGOTTEN"):
-        monkeypatch.setattr(measuring, name, 0.0)
-    monkeypatch.setattr(measuring, "boot_time", Mock(side_effect=(5.0, 105.0)))
-    robot, move = MagicMock(), AsyncMock()
-    robot.motion.movej2.side_effect = (move(), Mock(start=AsyncMock(return_value=move())))
+    for name, value in {"_STILL": 0.0, "_FORGOTTEN": 0.0, "_ANNOUNCED": 60.0}.items():
+        monkeypatch.setattr(measuring, name, value)
+    monkeypatch.setattr(measuring, "boot_time", Mock(side_effect=times))
+    robot, move, slow = MagicMock(), AsyncMock(), AsyncMock(side_effect=stopped)
+    robot.motion.movej2.side_effect = (move(), Mock(start=AsyncMock(return_value=slow())))
     robot._supervisor.rpc.send = AsyncMock()
-    with pytest.raises(aioduco.RobotStateError, match="stood still for 92 s"):
+    with pytest.raises(error[0], match=error[1]):
         await measuring._lapses(robot, np.array(READY), Extent(lapses=2), lambda _: None)
     assert robot.motion.movej2.call_count == 2
 
