@@ -7,6 +7,7 @@ import errno
 import io
 import logging
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -109,6 +110,12 @@ def test_warnings_and_tracebacks_of_a_command_are_shown_not_carried_out() -> Non
     assert "call `aioduco recover`, then `aioduco call movel`\nTraceback" in ended.stderr
     assert harmless(ended.stderr)
     assert logging.lastResort is not None
+
+
+def test_an_interrupt_while_a_command_is_loaded_is_no_traceback() -> None:
+    program = "import aioduco.cli.output as o; o.guard_streams(); raise KeyboardInterrupt"
+    ended = python("-c", program)
+    assert (ended.returncode, ended.stderr) == (-signal.SIGINT, "interrupted\n")
 
 
 def test_log_messages_name_commands_for_the_arm_of_the_command() -> None:

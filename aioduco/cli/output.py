@@ -199,6 +199,9 @@ def _open_closed_streams() -> None:
 def _say_traceback(
     kind: type[BaseException], error: BaseException, where: TracebackType | None
 ) -> None:
+    if issubclass(kind, KeyboardInterrupt):  # while a command was loaded: it had done nothing
+        say("interrupted", error=True)
+        return
     import traceback  # noqa: PLC0415 - for a program that fails
 
     say("".join(traceback.format_exception(kind, error, where)).rstrip("\n"), error=True)
