@@ -234,9 +234,10 @@ def test_a_load_is_not_made_up(arm: Simulator, typed: Any) -> None:
 
 @pytest.mark.slow
 def test_too_few_poses_by_hand_find_nothing(arm: Simulator, typed: Any) -> None:
-    typed([*[lambda: ""] * 4, lambda: "q"])
+    typed([*[lambda: ""] * 2, lambda: "w", *[lambda: ""] * 2, lambda: "q"])
     ended = invoke("payload", at(arm), "--yes")
     assert ended.exit_code == 1
+    assert "Enter or q?" in ended.stderr, "a slip of a finger does not end it"
     assert "2 poses were read, but 6 or more are needed" in ended.stderr
 
 

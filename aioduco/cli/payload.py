@@ -244,8 +244,11 @@ def _guided(robot: Robot) -> Iterator[Joints]:
     while True:
         with robot.motion.teach_mode.start():
             word = typed_line(f"guide the arm to pose {number}: Enter, q ends: ")
-        if word != "":
+        if word in (None, "q"):
             return
+        if word:
+            say("Enter or q?", error=True)
+            continue
         typed_line("let go of the arm: Enter: ")
         robot.sleep(_REST)
         yield robot.state.get_actual_joints_position()
