@@ -445,13 +445,11 @@ class Robot(Uncopied, ManualNames, MisspeltRefused):
         try:
             await self._supervisor.aclose()
         finally:
-            twins, self._twins = self._twins, []
-            observers, self._observers = self._observers, []
             # The recordings last, so that the closing of the robot is recorded, too.
             async with AsyncExitStack() as ends:  # each ends, whatever another one raises
-                for observer in observers:
+                for observer in self._observers:
                     ends.push_async_callback(observer.stop)
-                for twin in twins:
+                for twin in self._twins:
                     ends.push_async_callback(twin.stop)
 
     if not TYPE_CHECKING:  # hidden from type checkers, which then report their use

@@ -296,6 +296,30 @@ async def test_each_recording_ends_also_if_closing_is_cancelled_while_another_en
     assert all(read(tmp_path / f"{name}.mcap").complete for name in "ab")
 
 
+async def test_two_tasks_may_close_a_robot_and_find_its_recording_ended(
+    bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    held = anyio.Event()
+
+    async def late(self: Recording) -> None:
+        monkeypatch.setattr(Recording, "_stop", stop)
+        await held.wait()
+        await stop(self)
+
+    stop = Recording._stop
+    robot = aioduco.connect(bench.host, bench.port, record=tmp_path / "a.mcap")
+    await robot.open()
+    monkeypatch.setattr(Recording, "_stop", late)
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(robot.aclose)
+        await eventually_async(lambda: Recording._stop is stop)
+        await robot.aclose()
+        held.set()
+        assert robot.recording is not None
+        assert robot.recording.over
+    assert read(tmp_path / "a.mcap").complete
+
+
 async def test_a_recording_whose_start_is_cancelled_is_over(
     robot: aioduco.Robot, bench: Bench, tmp_path: Path
 ) -> None:
