@@ -210,9 +210,9 @@ class RobotObserver(Uncopied):
     async def stop(self) -> None:
         """Write the remaining data, and close the file or the port.
 
-        A failure is logged and not raised; it is in `error`.
+        A failure is logged and not raised; it is in `error`. In a forked child it does nothing.
         """
-        if self._started:
+        if self._started and not self._supervisor.owner_loop.in_forked_child:
             _, cancelled = await run_to_completion(self._stop)
             if cancelled is not None:
                 raise cancelled

@@ -3,8 +3,8 @@
     python forking.py HOST PORT GUARD LOOP CHILD...
 
 GUARD is "process" or "". LOOP is "asyncio" or "uvloop". CHILD is what the forked child does: one of
-`CHILDREN`. For each of them the program opens a robot, and writes one line of JSON: the child's
-exit code, and what came of its own motions.
+`CHILDREN`. For each of them the program opens a robot, which is recorded to CHILD.mcap, and writes
+one line of JSON: the child's exit code, and what came of its own motions.
 """
 
 from __future__ import annotations
@@ -118,7 +118,8 @@ async def with_child(robot: aioduco.Robot, child: str) -> int:
 async def main(host: str, port: int, guard: str, child: str) -> None:
     told: dict[str, Any] = {}
     kind: Any = guard or None
-    async with aioduco.connect(host, port, guard=kind, **PATIENT) as robot:
+    record = f"{child}.mcap"
+    async with aioduco.connect(host, port, guard=kind, record=record, **PATIENT) as robot:
         task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
         if child == "live_on":
             if os.fork() == 0:

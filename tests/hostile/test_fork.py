@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 from client.bench import Bench
 
+from aioduco.recording import read
 from aioduco.testing import eventually, no_leaks
 from hostile import forking
 
@@ -54,6 +55,7 @@ def run(bench: Bench, folder: Path, guard: str, loop: str, *child: str, **option
             ],
             stdout=told,
             stderr=complaints,
+            cwd=folder,
             start_new_session=True,
             **options,
         )
@@ -92,6 +94,7 @@ def test_a_forked_child_that_ends_leaves_its_parents_robot_alone(
     undisturbed(bench, ended, len(children))
     assert [told["child"] for told in ended.told] == [forking.CODE] * len(children), ended.errors
     assert "Traceback" not in ended.errors
+    assert all(read(tmp_path / f"{child}.mcap").complete for child in children)
 
 
 @pytest.mark.slow

@@ -174,8 +174,11 @@ class Twin(Uncopied):
         return self
 
     async def stop(self) -> None:
-        """End the process. A failure is logged and not raised; it is in `error`."""
-        if not self._started:
+        """End the process. A failure is logged and not raised; it is in `error`.
+
+        In a forked child it does nothing.
+        """
+        if not self._started or self._supervisor.owner_loop.in_forked_child:
             return
         _, cancelled = await run_to_completion(self._stop)
         if cancelled is not None:
