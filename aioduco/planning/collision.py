@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,6 +28,7 @@ else:
 
 
 _PREFIXES = ("scene/", "tool/")
+_PART = "//"  # between the name of a body and what tells its parts apart
 #: what the arm stands on; a scene's plane "floor" replaces the arm's
 _STANDS_ON = ("floor", "scene/floor", "plate", "pedestal")
 _THING, _ARM, _FLOOR = 1, 2, 4  # bits of what may touch
@@ -74,12 +76,16 @@ def specification(
             spec.delete(joint)
         held.name = f"scene/{name}"
         held.pos, held.quat = place[:3, 3], quaternion_from_matrix(place[:3, :3])
-        for other in ("link5", "link6", *(["tool"] if tool is not None else [])):
-            spec.add_exclude(bodyname1=f"scene/{name}", bodyname2=other)
+        for carried in held.find_all(mujoco.mjtObj.mjOBJ_BODY):
+            carried.name = carried.name.removeprefix("held/")
+    _name_parts(spec)
+    beside = ["link5", "link6", *(["tool"] if tool is not None else [])]
+    touching = [(f"scene/{name}", other) for name in attached for other in beside]
     if tool is not None:
-        spec.add_exclude(bodyname1="tool", bodyname2="link6")
-    for one, other in allowed:
-        spec.add_exclude(bodyname1=_body(spec, one), bodyname2=_body(spec, other))
+        touching.append(("tool", "link6"))
+    for pair in (*touching, *allowed):
+        for one, other in product(*(_parts(spec, _body(spec, name)) for name in pair)):
+            spec.add_exclude(bodyname1=one, bodyname2=other)
     # Pairs touch whatever the geoms' bits and margins say: things on one another would collide.
     for pair in list(spec.pairs):
         spec.delete(pair)
@@ -89,9 +95,32 @@ def specification(
     return spec
 
 
+def _name_parts(spec: Any) -> None:
+    """Name what MuJoCo leaves out of a contact by its body's name alone.
+
+    The floor becomes a body: with the world, all that stands in it without a body would be left
+    out. Bodies without a name are parts of the one that carries them.
+    """
+    floor = spec.geom("scene/floor") or spec.geom("floor")
+    if floor is not None and floor.parent.name == "world":
+        alone = spec.worldbody.add_body(name="floor")
+        same = ("type", "size", "pos", "quat", "material", "rgba", "group", "contype",
+                "conaffinity", "meshname", "hfieldname")  # fmt: skip
+        values = {each: getattr(floor, each) for each in same}
+        name = floor.name
+        spec.delete(floor)
+        alone.add_geom(name=name, **values)
+    for number, body in enumerate(spec.bodies):
+        if not body.name and body.parent.name not in ("", "world"):
+            body.name = f"{body.parent.name}{_PART}{number}"
+
+
+def _parts(spec: Any, name: str) -> list[str]:
+    """The names of a body and of its parts; of a tool, all of its bodies."""
+    return [b.name for b in spec.bodies if b.name == name or b.name.startswith(f"{name}/")]
+
+
 def _body(spec: Any, name: str) -> str:
-    if name == "floor":
-        return "world"
     return next((f"{p}{name}" for p in ("", *_PREFIXES) if spec.body(f"{p}{name}")), name)
 
 
@@ -285,7 +314,7 @@ class CollisionChecker:
             name = str(model.geom(geom).name)
         if name.startswith("tool/"):
             return "tool"
-        return name.removeprefix("scene/") or "a thing without a name"
+        return name.removeprefix("scene/").partition(_PART)[0] or "a thing without a name"
 
 
 def belongs(model: Any, body: int, others: set[int]) -> bool:

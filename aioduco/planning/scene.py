@@ -452,7 +452,8 @@ class Scene:
         return name
 
     def _bodies(self) -> list[str]:
-        return [self.compiled().body(i).name for i in range(1, self.compiled().nbody)]
+        names = [self.compiled().body(i).name for i in range(1, self.compiled().nbody)]
+        return [name for name in names if "//" not in name]
 
     def _body(self, name: str) -> str:
         names = self._bodies()

@@ -19,7 +19,7 @@ from aioduco.kinematics import calibrate_tool_tip, check, identify_load_by_torqu
 from aioduco.planning import Ground, Mesh, Planner, PointCloud, Region, Scene
 from aioduco.sim import Simulator
 from aioduco.sim.physics.world import World
-from aioduco.sim.scene import Box, Cylinder, Rod, Sphere, mjcf_of
+from aioduco.sim.scene import Box, Cylinder, Rod, Sphere, Table, mjcf_of
 from aioduco.testing.preflight.margins import margins
 
 READY = Joints.deg(0, 0, 90, 0, -90, 0)
@@ -198,6 +198,44 @@ def test_a_contact_that_is_allowed_is_none_until_it_is_forbidden() -> None:
         scene.allow("nobody", "it")
     with pytest.raises(SceneError, match=r"nothing is called 'nobody'; there are [a-z]"):
         scene.forbid("nobody", "it")
+
+
+PALM = """<mujoco><worldbody><body name="palm"><geom size="0.01"/><body pos="0 0 0.1">
+    <geom size="0.02"/></body></body></worldbody></mujoco>"""
+
+
+@for_each("tool", [[Rod(length=0.1)], PALM])
+def test_all_of_a_tool_is_allowed_to_touch_a_thing(tool: Any) -> None:
+    scene = Scene("gcr5_910", tool=tool)
+    x, y, z = scene.arm.fkine(READY)[:3, 3]
+    scene.add(Box(at=(x, y, z - 0.13), size=(0.1, 0.1, 0.1), name="it"))
+    assert scene.clearance(READY).pair == ("tool", "it")
+    scene.allow("tool", "it")
+    assert not scene.collides(READY)
+    scene.forbid("tool", "it")
+    assert scene.collides(READY)
+
+
+def test_a_sprung_table_is_allowed_to_be_touched_as_a_whole() -> None:
+    scene = Scene("gcr5_910", [Table(at=(0.492, 0.1405, 0.46), stiffness=1e4, name="it")])
+    for body in ("link4", "link5", "link6", "flange"):
+        scene.allow("it", body)
+    assert not scene.collides(READY)
+
+
+def test_who_may_touch_the_floor_touches_other_things_of_the_world_all_the_same() -> None:
+    """Fixed things of an MJCF file that are in no body were invisible to it."""
+    wall = '<geom name="wall" type="box" pos="0.492 0.1405 0.4" size="0.1 0.1 0.1"/>'
+    floor = '<geom name="floor" type="plane" pos="0 0 0.4" size="1 1 1"/>'
+    for geoms in (wall, floor + wall):
+        scene = Scene("gcr5_910", around=f"<mujoco><worldbody>{geoms}</worldbody></mujoco>")
+        for number in range(1, 7):
+            scene.allow("floor", f"link{number}")
+        scene.allow("floor", "flange")
+        found = scene.clearance(READY)
+        assert found.pair is not None
+        assert found.pair[1] == "wall"
+        assert found.distance < -0.05
 
 
 @for_each("name", ["part", "plate", "pedestal"])
