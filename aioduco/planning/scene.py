@@ -95,7 +95,7 @@ class Scene:
 
     @classmethod
     def from_simulator(cls, simulator: Simulator, *, padding: float = 0.005) -> Scene:
-        """Give the scene of a running simulator, with all loose things where they are now.
+        """Give the scene of a running simulator: its loose things and gripper are as they are now.
 
         Args:
             simulator: the simulator; it is not changed.
@@ -104,8 +104,13 @@ class Scene:
         Raises:
             RuntimeError: it is not running.
         """
+        tool = simulator.tool
+        if simulator.gripper is not None:
+            from aioduco.sim.physics.gripper import gripper_mjcf  # noqa: PLC0415 - for it alone
+
+            tool = gripper_mjcf(simulator.gripper)
         scene = cls(simulator.arm, around=simulator.scene, mounting=simulator.mounting,
-                    tool=simulator.tool, padding=padding)  # fmt: skip
+                    tool=tool, padding=padding)  # fmt: skip
         scene._pedestal = simulator.pedestal
         loose = simulator.positions[6:]
         scene._loose = loose if loose.size else None

@@ -275,6 +275,18 @@ def test_the_scene_of_a_running_simulator_is_as_it_is_now() -> None:
     assert not scene.collides(Joints.of(lifted))
 
 
+@for_each("gripper", ["robotiq_2f85", "vacuum"])
+def test_the_scene_of_a_simulator_has_its_gripper(gripper: str) -> None:
+    box = Box(at=(0.4, 0.3, 0.05), size=(0.1, 0.1, 0.1), mass=0.5, name="box")
+    with Simulator(scene=[box], gripper=gripper, joints=READY) as simulator:
+        scene = Scene.from_simulator(simulator)
+        rest = simulator.positions[6:]
+    assert scene.loose == pytest.approx(rest, abs=1e-3)
+    x, y, z = scene.arm.fkine(READY)[:3, 3]
+    scene.add(Sphere(at=(x, y, z - 0.06), radius=0.02, name="ball"))
+    assert scene.clearance(READY).pair == ("tool", "ball")
+
+
 def test_a_simulated_drawer_can_be_held_and_other_things_stay_where_they_are() -> None:
     around = """<mujoco><worldbody>
         <body name="drawer" pos="-1 1 0.5"><joint type="slide"/><geom size="0.1"/></body>
