@@ -176,7 +176,9 @@ def _touched(run: Mapping[str, Any], time: float) -> bool:
 def _blends(run: Mapping[str, Any]) -> Iterator[PreflightFinding]:
     motions = [call for call in run["calls"] if call["started"] >= 0.0 and call["where"]]
     for call, after in pairwise(motions):
-        both = call["name"].startswith("move") and after["name"].startswith("move")
+        both = all(
+            each["name"].startswith(("move", "tcp_move", "wobj_move")) for each in (call, after)
+        )
         if call["replaced"] or after["replaced"]:
             continue
         if both and call["radius"] > 0.0 and call["state"] == "FINISHED":

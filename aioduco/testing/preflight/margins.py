@@ -29,7 +29,13 @@ _FURTHEST = 0.5
 #: measure of a singularity below which a path of the tool is a finding: there a controller turns
 #: joints at their largest speed
 _NEAR = 0.02
-_PATHS = frozenset({"movel", "movec", "move_circle", "move_spiral", "spline", "tcp_move"})
+_PATHS = frozenset(
+    {
+        *("movel", "movec", "move_circle", "move_spiral", "spline", "spline_op"),
+        *("tcp_move", "tcp_move_2p", "wobj_move", "wobj_move_2p"),
+        *("movel_eaxis", "movec_eaxis", "move_circle_eaxis"),
+    }
+)
 _SINGULAR = ("shoulder", "elbow", "wrist")
 
 

@@ -398,5 +398,6 @@ def _value(value: Any) -> str:
 
 def _radius(name: str, args: tuple[Any, ...]) -> float:
     place = {"movej": 3, "movej2": 3, "movej_pose": 3, "movej_pose2": 3, "movel": 3, "movec": 4}
+    place |= {"tcp_move": 3, "wobj_move": 3}
     index = place.get(name)
     return float(args[index]) if index is not None and index < len(args) else 0.0

@@ -30,11 +30,20 @@ async def main() -> None:
         corner = here.shifted(y=0.1)
         await robot.motion.movel(corner, v=0.2, a=1.0, r=0.02)  # FAULT bad blend
         await robot.motion.movel(corner.shifted(z=0.1), v=0.2, a=1.0)
+        await robot.motion.tcp_move((0, 0.1, 0, 0, 0, 0), v=0.2, a=1.0, r=0.02)  # FAULT bad blend
+        await robot.motion.wobj_move((0, 0, 0.1, 0, 0, 0), v=0.2, a=1.0, r=0.02)  # FAULT bad blend
+        await robot.motion.movel(corner, v=0.2, a=1.0)
         await release(robot)
         # A straight line through the stretched wrist.
         await robot.motion.movej2(WRIST, v=1.0, a=2.0)
         flange = await robot.kinematics.cal_fkine(aioduco.Joints.deg(0, 0, 90, 0, 20, 0))
-        await robot.motion.movel(aioduco.Pose.of(flange), v=0.1, a=0.5)  # FAULT singularity
+        end = aioduco.Pose.of(flange)
+        await robot.motion.movel(end, v=0.1, a=0.5)  # FAULT singularity
+        await robot.motion.movej2(WRIST, v=1.0, a=2.0)
+        begin = aioduco.Pose.of(await robot.kinematics.cal_fkine(WRIST))
+        turn = end.rotation @ begin.rotation.T
+        way = aioduco.Pose.from_rotation(end.position - begin.position, turn)
+        await robot.motion.wobj_move(way, v=0.1, a=0.5)  # FAULT singularity
 
 
 anyio.run(main)
