@@ -28,7 +28,8 @@ else:
 
 
 _PREFIXES = ("scene/", "tool/")
-_PART = "//"  # between the name of a body and what tells its parts apart
+PART = "/\x01"
+"""Between the name of a body and what tells its parts apart; no name has it."""
 #: what the arm stands on; a scene's plane "floor" replaces the arm's
 _STANDS_ON = ("floor", "scene/floor", "plate", "pedestal")
 _THING, _ARM, _FLOOR = 1, 2, 4  # bits of what may touch
@@ -112,7 +113,7 @@ def _name_parts(spec: Any) -> None:
         alone.add_geom(name=name, **values)
     for number, body in enumerate(spec.bodies):
         if not body.name and body.parent.name not in ("", "world"):
-            body.name = f"{body.parent.name}{_PART}{number}"
+            body.name = f"{body.parent.name}{PART}{number}"
 
 
 def _parts(spec: Any, name: str) -> list[str]:
@@ -314,7 +315,7 @@ class CollisionChecker:
             name = str(model.geom(geom).name)
         if name.startswith("tool/"):
             return "tool"
-        return name.removeprefix("scene/").partition(_PART)[0] or "a thing without a name"
+        return name.removeprefix("scene/").partition(PART)[0] or "a thing without a name"
 
 
 def belongs(model: Any, body: int, others: set[int]) -> bool:

@@ -457,8 +457,11 @@ class Scene:
         return name
 
     def _bodies(self) -> list[str]:
-        names = [self.compiled().body(i).name for i in range(1, self.compiled().nbody)]
-        return [name for name in names if "//" not in name]
+        model = self.compiled()
+        from aioduco.planning.collision import PART  # noqa: PLC0415 - needs an extra
+
+        names = [model.body(i).name for i in range(1, model.nbody)]
+        return [name for name in names if PART not in name]
 
     def _body(self, name: str) -> str:
         names = self._bodies()
