@@ -24,7 +24,7 @@ from aioduco.sim.planner.mover import Mover
 from aioduco.sim.snapshot import SimulationSnapshot
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
@@ -311,5 +311,6 @@ class _UnthreadedRuntime:
         """Return the task instead of waiting for it: time stands still during a call."""
         return id_
 
-    def load(self, mass: float, centre: object) -> None:
-        """Do nothing: there are no physics."""
+    def load(self, _mass: float, _centre: object, told: Callable[[], object]) -> None:
+        """Tell the sensor at once: there are no physics."""
+        told()

@@ -65,6 +65,21 @@ def test_a_setting_holds_for_the_next_begin() -> None:
     assert slow == pytest.approx(2.0 * duration(plain), rel=0.1)
 
 
+@for_each(
+    "function, arguments",
+    [
+        ("set_load_data", ([0.5, 0.0, 0.0, 0.05],)),
+        ("set_tool_data", ("gripper", [0.0] * 6, [0.5, 0.0, 0.0, 0.05], [0.0] * 6)),
+    ],
+)
+def test_a_load_is_set(function: str, arguments: tuple[object, ...]) -> None:
+    """It failed, unseen: what loads the simulator's physics had got another argument."""
+    rehearsal = Rehearsal(ARM)
+    rehearsal.begin(READY, 0.0)
+    assert rehearsal._run is not None
+    assert rehearsal._run.call(function, arguments), rehearsal._run.reason
+
+
 def duration(rehearsal: Rehearsal) -> float:
     assert rehearsal.command(TwinCommand(1.0, *movej2(*THERE, v=0.3), True))
     time = 1.0
