@@ -495,6 +495,7 @@ class StopCoordinator:
         """Do what the `on_cancel` of a task says after its await was cancelled, then return."""
         if task.done or task.on_cancel == "detach" or self._poll.owner_loop.in_forked_child:
             return
+        self.check_loop(f"await {task.name}")
         if task.on_cancel == "pause":
             try:
                 await run_to_completion(self.pause)

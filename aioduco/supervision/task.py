@@ -365,8 +365,6 @@ class Task(Uncopied):
 
     async def _on_wait_cancelled(self) -> None:
         """Do what a cancelled await of this task does to the arm: see `on_cancel`."""
-        if not self.done:
-            self._control.check_loop(f"await {self.name}")
         await self._control.cancelled_while_waiting(self)
 
     # The following methods are only for the supervision.

@@ -120,12 +120,12 @@ async def main(host: str, port: int, guard: str, child: str) -> None:
     kind: Any = guard or None
     record = f"{child}.mcap"
     async with aioduco.connect(host, port, guard=kind, record=record, **PATIENT) as robot:
-        task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
-        if child == "live_on":
-            if os.fork() == 0:
-                live_on(int(os.environ["AIODUCO_TEST_PIPE"]))
-        else:
-            told["child"] = await with_child(robot, child)
+        async with robot.motion.movej2(HOME, v=1.0, a=1.0) as task:
+            if child == "live_on":
+                if os.fork() == 0:
+                    live_on(int(os.environ["AIODUCO_TEST_PIPE"]))
+            else:
+                told["child"] = await with_child(robot, child)
         told["task"] = str((await task).value)
         told["again"] = str((await robot.motion.movej2(HOME, v=1.0, a=1.0)).value)
         # on its way when the robot is left: leaving stops it
