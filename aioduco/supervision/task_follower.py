@@ -432,7 +432,7 @@ class TaskFollower:
         if self._arm.stops != task.stops_before:
             task.release_clock()
             task.life.stop_sent()
-        if task.motion and self._arm.confirmed > task.stops_before:
+        if task.motion and task.id > max(TaskState) and self._arm.confirmed > task.stops_before:
             task.life.stop_confirmed()
 
     async def _ask_whether_it_stands(self, task: Task) -> bool:
@@ -497,7 +497,8 @@ class TaskFollower:
                 lambda: self._mark_ended(task, (), now),
             )
             return
-        if task.motion and task.life.outcome is Outcome.UNKNOWN and not self._namesakes(task):
+        forgotten = self._namesakes(task) or task.life.idle_after_stop
+        if task.motion and task.life.outcome is Outcome.UNKNOWN and not forgotten:
             self._stop_lost(task, lambda: self._mark_ended(task, errors, now))
             return
         self._mark_ended(task, errors, now)

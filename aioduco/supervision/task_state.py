@@ -271,6 +271,11 @@ class TaskLifecycle:
         """The arm stands after a stop that was requested after this motion."""
         self._may_be_idle = False
 
+    @property
+    def idle_after_stop(self) -> bool:
+        """Whether a stop was confirmed while this motion had not begun: it moves nothing."""
+        return not (self._may_be_idle or self.started)
+
     def end_sent(self) -> None:
         """The function that ends this motion is about to be sent to the controller."""
         if not self.ended:

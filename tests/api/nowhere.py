@@ -34,6 +34,9 @@ class _Launcher:
     async def feed(self, command: Any, _lane: Any, _mode: Any) -> Any:
         return await self._answer(command.name, command.args)
 
+    def require_opened(self, _name: str) -> None:
+        """It counts as opened."""
+
     async def admit_stream(self, _name: str) -> None:
         """No stream begins here: nothing is waited for."""
 

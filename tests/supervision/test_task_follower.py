@@ -238,6 +238,20 @@ async def test_a_number_that_is_given_again_is_not_that_of_the_motion_before(
     assert await task is Outcome.FINISHED
 
 
+async def test_a_motion_that_was_forgotten_before_a_stop_does_not_stop_the_next_one(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    bench.motion_time = 600.0
+    bench.answer("get_noneblock_taskstate", lambda _: TaskState.IDLE)
+    forgotten = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    await robot.stop()
+    bench.answer("get_noneblock_taskstate", lambda n: TaskState.RUNNING if n > forgotten.id else 0)
+    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    assert await forgotten.wait() is Outcome.UNKNOWN
+    assert not task.done
+    assert len(bench.received("stop")) == 1
+
+
 async def test_closing_ends_every_task(bench: Bench) -> None:
     bench.motion_time = 30.0
     outcomes: list[Outcome] = []
