@@ -36,7 +36,7 @@ def calibrate(
         output: Profile to write. An existing one is replaced.
         model: The arm. Default: what the controller reported.
     """
-    require_writable("--output", output)
+    require_writable("--output", output, *recordings)
     extras.need("record", "calibrate")
     if model is not None:
         extras.arm(model)

@@ -33,7 +33,7 @@ def doctor(
     from aioduco.cli.safe_console import SafeConsole  # noqa: PLC0415 - for this command alone
     from aioduco.cli.stream_rate import examine  # noqa: PLC0415
 
-    require_writable("--json", json)
+    require_writable("--json", json, cell)
     address = robot_at(host, port, cell)
 
     async def run() -> None:

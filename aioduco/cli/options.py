@@ -74,15 +74,17 @@ def require_readable(option: str, path: Path | None) -> None:
         raise typer.BadParameter(f"there is no file {path} that can be read", param_hint=option)
 
 
-def require_writable(option: str, path: Path | None) -> None:
+def require_writable(option: str, path: Path | None, *inputs: Path | None) -> None:
     """Require that a file can be written, before what is to be written into it is done.
 
     Args:
         option: the option that names the file.
         path: the file; None for none.
+        inputs: files that the command reads, and that writing would destroy; None for none.
 
     Raises:
-        BadParameter: it is a folder, its folder does not exist, or it may not be written.
+        BadParameter: it is a folder, its folder does not exist, it may not be written, or it is one
+            of the inputs.
     """
     if path is None:
         return
@@ -94,6 +96,8 @@ def require_writable(option: str, path: Path | None) -> None:
         wrong = f"there is no folder {path.parent}"
     elif not os.access(place, os.W_OK):
         wrong = f"{path} cannot be written: {place} is write-protected"
+    elif path.exists() and any(each is not None and path.samefile(each) for each in inputs):
+        wrong = f"{path} is read by this command, and would be overwritten"
     if wrong:
         raise typer.BadParameter(wrong, param_hint=option)
 

@@ -33,7 +33,7 @@ def plot(
         over: Another recording, drawn dashed over it.
     """
     target = picture or figures.with_suffix(".png")
-    require_writable("PICTURE", target)
+    require_writable("PICTURE", target, figures, over)
     if figures.suffix == ".mcap":
         _recording(figures, target, over)
         return

@@ -86,8 +86,9 @@ def preflight(
         refuse_unused(context, "one run, without --runs", "html", "quiet")
     if not vary:
         refuse_unused(context, "--vary", "seed")
-    require_writable("--json", result)
-    require_writable("--html", html)
+    read = (Path(program), cell, scene, tool)
+    require_writable("--json", result, *read)
+    require_writable("--html", html, *read)
     extras.need("sim", *(("plot",) if html else ()), *(("sweep",) if runs else ()))
     extras.arm(model)
     from aioduco.cli.safe_console import SafeConsole  # noqa: PLC0415 - for this command alone

@@ -106,7 +106,7 @@ def twin(
     if learn is None:
         require_readable("--limits", limits)
     else:
-        require_writable("--limits", limits)
+        require_writable("--limits", limits, learn, judge)
     require_writable("--output", output)
     extras.need("sim", "record")
     if action not in ("report", "pause", "stop"):
