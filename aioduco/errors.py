@@ -246,7 +246,8 @@ class NotSent(ConnectionLost, TimeoutError):
 class OutcomeUnknown(ConnectionLost):
     """A command was sent, but its reply never came: it may or may not have been carried out.
 
-    The package never sends it again. Read the robot's state before you decide what to do.
+    The package never sends it again, unless it is a stop. Read the robot's state before you decide
+    what to do.
 
     Attributes:
         function: the function of the wire that was called.
@@ -258,7 +259,7 @@ class OutcomeUnknown(ConnectionLost):
         self.reason = reason
         super().__init__(
             f"{function} was sent, but {reason}: it may or may not have been carried out; "
-            "it was not sent again. Read the robot's state before you repeat it"
+            "only a stop is ever sent again. Read the robot's state before you repeat it"
         )
 
 
