@@ -35,6 +35,9 @@ _SAYS: tuple[tuple[str, str], ...] = (
 #: names of stops on the wire, and of calls that show that the program wants to move again
 _STOPS = ("stop", "abort")
 _AGAIN = ("enable", "power_on", "reset_collision", "resume")
+#: beginnings of the names of motions, and of streams, on the wire
+_MOTIONS = ("move", "tcp_move", "wobj_move", "spline")
+_STREAMS = ("servo", "speed")
 #: time after a collision within which it explains a failed task [s]
 _SOON = 0.5
 
@@ -176,9 +179,7 @@ def _touched(run: Mapping[str, Any], time: float) -> bool:
 def _blends(run: Mapping[str, Any]) -> Iterator[PreflightFinding]:
     motions = [call for call in run["calls"] if call["started"] >= 0.0 and call["where"]]
     for call, after in pairwise(motions):
-        both = all(
-            each["name"].startswith(("move", "tcp_move", "wobj_move")) for each in (call, after)
-        )
+        both = all(each["name"].startswith(_MOTIONS) for each in (call, after))
         if call["replaced"] or after["replaced"]:
             continue
         if both and call["radius"] > 0.0 and call["state"] == "FINISHED":
@@ -203,9 +204,7 @@ def _after_stops(run: Mapping[str, Any]) -> Iterator[PreflightFinding]:
             }  # fmt: skip
         elif call["name"] in _AGAIN:
             stop = None
-        elif (
-            stop and call["started"] >= 0.0 and call["name"].startswith(("move", "servo", "speed"))
-        ):
+        elif stop and call["started"] >= 0.0 and call["name"].startswith((*_MOTIONS, *_STREAMS)):
             if call["actor"] not in told:
                 line = stop["where"]["line"]
                 text = f"{call['text']} moves the arm again, which line {line} has stopped"

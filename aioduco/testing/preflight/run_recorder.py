@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from aioduco._wire.idempotence import CallKind, call_kind
+from aioduco._wire.idl import functions
 from aioduco.models.enums import TaskState
 from aioduco.testing.preflight import lines
 from aioduco.testing.preflight.borders import AccessBlocked
@@ -397,7 +398,9 @@ def _value(value: Any) -> str:
 
 
 def _radius(name: str, args: tuple[Any, ...]) -> float:
-    place = {"movej": 3, "movej2": 3, "movej_pose": 3, "movej_pose2": 3, "movel": 3, "movec": 4}
-    place |= {"tcp_move": 3, "wobj_move": 3}
-    index = place.get(name)
-    return float(args[index]) if index is not None and index < len(args) else 0.0
+    """The blend radius among a call's arguments; a spiral's is that of its end."""
+    if name == "move_spiral":
+        return 0.0
+    parameters = functions()[name].parameters
+    index = next((i for i, each in enumerate(parameters) if each in ("r", "rad")), len(args))
+    return float(args[index]) if index < len(args) else 0.0

@@ -32,6 +32,8 @@ async def main() -> None:
         await robot.motion.movel(corner.shifted(z=0.1), v=0.2, a=1.0)
         await robot.motion.tcp_move((0, 0.1, 0, 0, 0, 0), v=0.2, a=1.0, r=0.02)  # FAULT bad blend
         await robot.motion.wobj_move((0, 0, 0.1, 0, 0, 0), v=0.2, a=1.0, r=0.02)  # FAULT bad blend
+        down = ((0, 0, -0.05, 0, 0, 0), (0, 0, -0.1, 0, 0, 0))
+        await robot.motion.wobj_move_2p(*down, v=0.2, a=1.0, r=0.01)  # FAULT bad blend
         await robot.motion.movel(corner, v=0.2, a=1.0)
         await release(robot)
         # A straight line through the stretched wrist.

@@ -4,7 +4,8 @@ import anyio
 
 import aioduco
 
-LEFT, RIGHT = aioduco.Joints.deg(20, 0, 90, 0, -90, 0), aioduco.Joints.deg(-20, 0, 90, 0, -90, 0)
+LEFT = aioduco.Joints.deg(20, 0, 90, 0, -90, 0)
+UP = (0.0, 0.0, 0.02, 0.0, 0.0, 0.0)
 
 
 async def watch(robot: aioduco.Robot, seen: anyio.Event, closed: anyio.Event) -> None:
@@ -21,7 +22,7 @@ async def main() -> None:
         await robot.motion.movej2(LEFT, v=1.0, a=2.0)
         seen.set()
         await closed.wait()  # the gripper
-        await robot.motion.movej2(RIGHT, v=1.0, a=2.0)  # FAULT motion after a stop
+        await robot.motion.wobj_move(UP, v=0.1, a=1.0)  # FAULT motion after a stop
 
 
 anyio.run(main)
