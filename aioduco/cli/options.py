@@ -96,7 +96,9 @@ def require_writable(option: str, path: Path | None, *inputs: Path | None) -> No
         wrong = f"there is no folder {path.parent}"
     elif not os.access(place, os.W_OK):
         wrong = f"{path} cannot be written: {place} is write-protected"
-    elif path.exists() and any(each is not None and path.samefile(each) for each in inputs):
+    elif path.exists() and any(
+        each is not None and each.exists() and path.samefile(each) for each in inputs
+    ):
         wrong = f"{path} is read by this command, and would be overwritten"
     if wrong:
         raise typer.BadParameter(wrong, param_hint=option)
