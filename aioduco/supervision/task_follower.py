@@ -60,6 +60,8 @@ _log = BackgroundLogger(__name__)
 END_LIMIT = 1.0
 #: seconds between polls while something is likely to happen
 FAST = 0.002
+#: seconds until the first poll of a task whose end is far, which may fail at once
+EARLY = 0.01
 #: seconds between polls of a task whose end cannot be expected; half of it is the median delay
 STEADY = 0.005
 #: of one that runs for long, as a part of its time
@@ -84,7 +86,7 @@ def interval(age: float, remaining: float | None = None) -> float:
     """
     if remaining is None or remaining < -OVERDUE:
         return min(max(age, FAST), max(STEADY, min(age * PROMPT, SLOW)))
-    return min(max(min(age, remaining * SHARE), FAST), SLOW)
+    return min(max(min(max(age, EARLY), remaining * SHARE), FAST), SLOW)
 
 
 def next_poll(due: float, now: float, every: float) -> float:
@@ -432,7 +434,7 @@ class TaskFollower:
         if self._arm.stops != task.stops_before:
             task.release_clock()
             task.life.stop_sent()
-        if task.motion and task.id > max(TaskState) and self._arm.confirmed > task.stops_before:
+        if task.motion and self._arm.confirmed > task.stops_before and task.id > max(TaskState):
             task.life.stop_confirmed()
 
     async def _ask_whether_it_stands(self, task: Task) -> bool:

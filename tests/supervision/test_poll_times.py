@@ -10,7 +10,15 @@ import pytest
 from hypothesis import example, given
 
 from aioduco.supervision.concurrency import GRID, on_grid
-from aioduco.supervision.task_follower import FAST, PROMPT, SLOW, STEADY, interval, next_poll
+from aioduco.supervision.task_follower import (
+    EARLY,
+    FAST,
+    PROMPT,
+    SLOW,
+    STEADY,
+    interval,
+    next_poll,
+)
 
 AGES = st.floats(0, 1e6)
 REMAINING = st.one_of(st.none(), st.floats(-1e6, 1e6))
@@ -22,15 +30,17 @@ def test_every_interval_is_within_its_bounds(age: float, remaining: float | None
 
 
 @given(st.floats(0, FAST), REMAINING)
-def test_a_fresh_task_is_asked_about_often(age: float, remaining: float | None) -> None:
-    assert interval(age, remaining) == FAST
+def test_a_fresh_task_is_asked_about_soon(age: float, remaining: float | None) -> None:
+    assert interval(age, remaining) <= EARLY
+    assert interval(age) == interval(age, 0.004) == FAST
 
 
 @given(AGES, st.floats(0, 1e6))
 def test_an_end_of_which_nobody_knew_is_seen_before_the_task_is_twice_as_old(
     age: float, remaining: float
 ) -> None:
-    assert interval(age, remaining) <= max(age, FAST)
+    """A failure, for instance; what ends within hundredths of a second is asked about sooner."""
+    assert interval(age, remaining) <= max(age, EARLY)
 
 
 @given(AGES, st.floats(0, 1e6))
