@@ -105,9 +105,13 @@ class StatePublisher(ABC):
     def progress(self, place: GoalProgress, factor: float) -> None:
         """Publish where the arm is and is to be."""
 
+    def _stamp_of(self, at: float) -> Any:
+        """The time of a sample, for a message: 0 at the least, where simulated clocks begin."""
+        return self.stamp(max(at + self._ahead, 0.0))
+
     def joints(self, at: float, reading: ArmReading, frames: list[PlacedFrame]) -> None:
         """Publish joint states, and frames if there are any."""
-        stamp = self.stamp(at + self._ahead)
+        stamp = self._stamp_of(at)
         message = shared_messages.joint_state(
             self.joint_state(), self.names, reading, self._base, stamp
         )
@@ -118,12 +122,12 @@ class StatePublisher(ABC):
     def wrench(self, at: float, force: list[float]) -> None:
         """Publish force and torque at the tool."""
         frame = self._settings.prefix + "tcp_controller"
-        message = shared_messages.wrench(frame, force, self.stamp(at + self._ahead))
+        message = shared_messages.wrench(frame, force, self._stamp_of(at))
         self.publishers["wrench"].publish(message)
 
     def states(self, snapshot: Snapshot) -> None:
         """Publish states, inputs and outputs."""
-        stamp = self.stamp(snapshot.received_at + self._ahead)
+        stamp = self._stamp_of(snapshot.received_at)
         self.publishers["robot_state"].publish(
             shared_messages.robot_state(snapshot, self._base, stamp)
         )

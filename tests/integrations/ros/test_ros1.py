@@ -14,8 +14,10 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 from xmlrpc.client import ServerProxy
 
@@ -25,7 +27,9 @@ from ports import free_port
 
 from aioduco import Joints
 from aioduco.cli.app import app
+from aioduco.integrations.ros.arm_node import NodeSettings
 from aioduco.integrations.ros.arm_readings import ArmReading
+from aioduco.integrations.ros.trajectory_server import GoalProgress
 from aioduco.sim import Simulator
 from aioduco.sim.scene import Box
 from aioduco.testing import eventually
@@ -269,6 +273,33 @@ def test_joint_states_are_packed_as_genpy_packs_them() -> None:
         read = JointState().deserialize(ours.getvalue())
         assert (tuple(read.name), tuple(read.position)) == (names, reading.position)
         assert (list(read.velocity), list(read.effort)) == (reading.velocity, reading.effort)
+
+
+def test_a_sample_from_before_a_clock_that_stands_at_0_has_the_time_0() -> None:
+    """As with /use_sim_time, before the first message of the clock; ROS has no negative times."""
+    from aioduco.integrations.ros.ros1.message_classes import install  # noqa: PLC0415
+
+    install()
+    from aioduco.integrations.ros.ros1 import conversions  # noqa: PLC0415 - needs it
+    from aioduco.integrations.ros.topics import StatePublisher  # noqa: PLC0415 - as this
+
+    class Publisher(StatePublisher):
+        stamp = staticmethod(conversions.stamp)
+
+        def wall(self) -> float:
+            return 0.0
+
+        def wants_frames(self) -> bool:
+            return False
+
+        def progress(self, place: GoalProgress, factor: float) -> None:
+            """Publish nothing."""
+
+    before, published = time.monotonic(), list[Any]()
+    topic = SimpleNamespace(publish=published.append)
+    state = Publisher(NodeSettings(host="-"), "/duco", {"joint_states": topic})
+    state.joints(before, ArmReading((0.0,) * 6, [0.0] * 6, [0.0] * 6), [])
+    assert published[0].header.stamp.to_sec() == 0.0
 
 
 @pytest.mark.skipif(shutil.which("roslaunch") is None, reason="needs roslaunch")
