@@ -174,6 +174,7 @@ class TrajectoryServer:
         self._through: Through = through
         self._options = options
         self._queue: GoalQueue[_Job] = GoalQueue()
+        self._ended = False
         self._changed = anyio.Event()
         self._scope: anyio.CancelScope | None = None
         self._why = ""
@@ -209,6 +210,8 @@ class TrajectoryServer:
         """Take a goal: refuse it at once, or carry it out as soon as the arm is at rest."""
         wall = self._wall()
         try:
+            if self._ended:  # the rest of the driver still ends
+                raise GoalRefused(ErrorCode.INVALID_GOAL, "the driver is not active")
             checked = check_goal(handle.goal, self._profile, self._rules, wall)
             self._check_begin(checked)
             permit = self._robot.permit("the goal")
@@ -300,6 +303,7 @@ class TrajectoryServer:
 
     async def run(self) -> None:
         """Carry out goals until this is cancelled; the arm then comes to rest."""
+        self._ended = False
         try:
             while True:
                 job = self._queue.begin()
@@ -312,6 +316,7 @@ class TrajectoryServer:
                 finally:
                     self._queue.end()
         finally:
+            self._ended = True
             self.cancel_all("the driver ends")
 
     def _check_begin(self, checked: CheckedGoal) -> None:

@@ -359,6 +359,14 @@ async def test_a_resume_before_the_arm_stands_answers_the_pause() -> None:
         assert answers == [False]
 
 
+async def test_a_goal_that_comes_after_the_server_has_ended_is_refused() -> None:
+    """While the rest of the driver ends: it would wait until the driver is activated again."""
+    async with held() as (server, _):
+        await anyio.wait_all_tasks_blocked()
+    server.submit(client := Client(goal()))
+    assert (client.told, server.busy) == (["rejected"], False)
+
+
 async def test_a_goal_that_begins_elsewhere_disturbs_no_running_one() -> None:
     async with held() as (server, motion):
         server.submit(running := Client(goal()))
