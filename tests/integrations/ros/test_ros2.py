@@ -221,6 +221,8 @@ def test_transitions_and_parameters(domain: Domain, sim: Simulator) -> None:
     domain.start_node(sim, "autostart:=false", "heartbeat:=10.0", "feedback_rate:=10")
     assert not domain.last("call", "bring_up")["success"]
     assert domain.last("set", "rate", "1000.0")["done"]
+    reply = domain.last("set", "prefix", '"left_"')  # services already have their names
+    assert (reply["done"], "as the driver starts" in reply["reason"]) == (False, True)
     # What is wrong is told when it is read; and can be put right.
     assert domain.ask("lifecycle", "configure") == [{"done": False, "state": "unconfigured"}]
     assert "rate" in domain.errors

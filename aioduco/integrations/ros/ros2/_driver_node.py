@@ -307,10 +307,16 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
             return SetParametersResult(successful=False, reason=text)
         try:
             for each in parameters:
-                _check_own(each.name, each.value)
+                self._check_parameter(each.name, each.value)
         except ParameterError as error:
             return SetParametersResult(successful=False, reason=str(error))
         return SetParametersResult(successful=True)
+
+    def _check_parameter(self, name: str, value: object) -> None:
+        _check_own(name, value)
+        if name == "prefix" and value != self._prefix:
+            expected = "given as the driver starts: services already have their names"
+            raise ParameterError(name, value, expected)
 
     # -- transitions: on rclpy's thread, or on the thread that starts the node -------------------
 
