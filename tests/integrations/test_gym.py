@@ -186,9 +186,12 @@ def test_pictures_show_the_arm_and_the_goal(made: Callable[..., Any], kind: str)
 
 
 def test_what_is_no_action_is_refused_and_does_nothing(made: Callable[..., Any]) -> None:
-    env = made("aioduco/Reach-v0", reward="dense", disable_env_checker=True).unwrapped
-    with pytest.raises(RuntimeError, match="reset"):
-        env.step(np.zeros(3))
+    env = made(
+        "aioduco/Reach-v0", reward="dense", render_mode="rgb_array", disable_env_checker=True
+    ).unwrapped
+    for outside in (lambda: env.step(np.zeros(3)), env.render):
+        with pytest.raises(RuntimeError, match="reset"):
+            outside()
     before, _ = env.reset(seed=1)
     bad: Any
     for bad in (np.zeros(4), np.array((0.0, np.nan, 0.0)), "abc", {}, [[0.0], [0.0, 1.0]]):

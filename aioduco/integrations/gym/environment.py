@@ -147,8 +147,7 @@ class ArmEnv(Uncopied, gymnasium.Env[dict[str, Any], Any]):
         given = number_array("action", action, f"numbers of the shape {shape}")
         if given.shape != shape:
             raise ParameterError("action", action, f"numbers of the shape {shape}")
-        if not self._begun:
-            raise RuntimeError("there is no episode: call reset() first")
+        self._require_episode()
         self._aim(np.clip(given, -1.0, 1.0))
         if self._task.gripper and given[-1]:
             self._closed = bool(given[-1] < 0.0)
@@ -183,6 +182,7 @@ class ArmEnv(Uncopied, gymnasium.Env[dict[str, Any], Any]):
         """
         if self.render_mode is None:
             raise RuntimeError('nothing is drawn: make it with render_mode="rgb_array"')
+        self._require_episode()  # or, after close(), a process that nothing ends would draw
         return self._picture(self._SHOWN)
 
     def close(self) -> None:
@@ -191,6 +191,10 @@ class ArmEnv(Uncopied, gymnasium.Env[dict[str, Any], Any]):
         self._backend.close()
 
     # -- inside --------------------------------------------------------------------------------
+
+    def _require_episode(self) -> None:
+        if not self._begun:
+            raise RuntimeError("there is no episode: call reset() first")
 
     def _aim(self, action: Vector) -> None:
         """Set the target; outside the task's space, clip it (cartesian) or ignore it (joints)."""
