@@ -187,7 +187,11 @@ class FleetGateway(Uncopied):
         for (name, _), error in zip(robots, errors, strict=True):
             said[name] = "" if error is None else f"{type(error).__name__}: {error}"
         report = order.report(said)
-        _log.warning("the fleet stopped %s", ", ".join(arm.name for arm in report.arms) or "no arm")
+        for arm in report.arms:
+            if arm.error:
+                _log.warning("the fleet's stop of %s is not confirmed: %s", arm.name, arm.error)
+            else:
+                _log.warning("the fleet stopped %s", arm.name)
         return report.encode()
 
 

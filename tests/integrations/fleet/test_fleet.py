@@ -405,11 +405,14 @@ async def test_an_arm_that_is_not_reached_is_logged_once(caplog: pytest.LogCaptu
     taken = free_port()  # nobody listens there
     arm = ArmSettings("left", "127.0.0.1", taken)
     settings = FleetSettings("plant", "one", (free_endpoint(),), arms=(arm,))
-    async with FleetGateway(settings, reach):
+    async with FleetGateway(settings, reach) as gateway:
         await again.wait()
+        await gateway._stop(b"")
     reporter.flush()
     said = [each for each in caplog.messages if "not supervised" in each]
     assert len(said) == 1, said
+    (stopped,) = (each for each in caplog.messages if each.startswith("the fleet"))
+    assert stopped.startswith("the fleet's stop of left is not confirmed: not connected: ")
 
 
 def test_a_stop_without_a_router_was_not_sent(tmp_path: Path) -> None:
