@@ -23,6 +23,10 @@ of a planning pipeline differently."""
 
 _SEGMENT = 0.005  # fraction of the joint space's extent that is checked as one point
 
+#: acceleration of plans at most [rad/s²]: the ROS drivers' default, with which they follow goals.
+#: They would round the corners of a plan with more of it, by more than their path tolerance
+_ACCELERATION = 10.0
+
 #: words that YAML 1.1 takes for truth values, and for nothing
 _NO_TEXTS = frozenset({"y", "yes", "n", "no", "true", "false", "on", "off", "null"})
 
@@ -80,10 +84,11 @@ def _joint_limits(trees: Sequence[ArmTree]) -> dict[str, Any]:
                 "has_velocity_limits": True,
                 "max_velocity": float(limits.velocity),
                 "has_acceleration_limits": True,
-                "max_acceleration": float(limits.acceleration),
+                "max_acceleration": float(least),
                 "has_jerk_limits": False,
             }
             for tree in trees
+            for least in [min(_ACCELERATION, *(limit.acceleration for _, limit in tree.turning))]
             for joint, limits in tree.turning
         },
     }

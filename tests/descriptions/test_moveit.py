@@ -10,6 +10,7 @@ import yaml
 
 from aioduco import ParameterError
 from aioduco.descriptions import STATES, ArmDescription, moveit
+from aioduco.integrations.ros.arm_node import NodeSettings
 from aioduco.kinematics import arm, models
 
 from .test_urdf import LEFT, RIGHT
@@ -60,12 +61,12 @@ def test_files_name_the_same_joints_links_and_groups(model: str) -> None:
 
 
 @pytest.mark.parametrize("model", models())
-def test_limits_are_those_of_the_arm_and_no_whole_numbers(model: str) -> None:
+def test_limits_are_those_of_arm_and_driver_and_no_whole_numbers(model: str) -> None:
     """ROS 2 refuses a whole number where a limit belongs."""
     limits = yaml.safe_load(moveit(model)["joint_limits.yaml"])["joint_limits"]
-    known = arm(model)
+    known, driver = arm(model), NodeSettings(host="-", model=model).profile
     for i, joint in enumerate(limits.values()):
-        assert joint["max_acceleration"] == known.acceleration[i]
+        assert joint["max_acceleration"] == driver.acceleration
         assert joint["max_velocity"] == known.velocity[i]
         assert (joint["min_position"], joint["max_position"]) == (known.lower[i], known.upper[i])
         for name, value in joint.items():

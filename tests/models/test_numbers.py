@@ -255,6 +255,6 @@ def test_a_rotation_with_six_decimals_is_one() -> None:
 
 @pytest.mark.parametrize("value", [1e-5, 1e-7, 123456.0, 1e16, 1.5e22, 2.0, 0.1])
 def test_yaml_reads_every_limit_as_a_number(value: float) -> None:
-    arm = dataclasses.replace(kinematics.arm("gcr5_910"), acceleration=(value,) * 6)
+    arm = dataclasses.replace(kinematics.arm("gcr5_910"), velocity=(value,) * 6)
     limits = yaml.safe_load(descriptions.moveit(arm)["joint_limits.yaml"])["joint_limits"]
-    assert all(joint["max_acceleration"] == value for joint in limits.values())
+    assert all(joint["max_velocity"] == value for joint in limits.values())
