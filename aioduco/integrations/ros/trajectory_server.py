@@ -219,7 +219,8 @@ class TrajectoryServer:
             _reject(handle, error)
             return
         now, first = anyio.current_time(), checked.trajectory.positions[0]
-        joins = checked.trajectory.times[0] == 0.0 and any(
+        supersedes = self._queue.running is not None and checked.trajectory.times[0] == 0.0
+        joins = supersedes and any(
             now - at < _RECENT and np.abs(first - place).max() <= self._rules.start
             for at, place in self._recent
         )

@@ -381,6 +381,24 @@ async def test_a_goal_that_begins_elsewhere_disturbs_no_running_one() -> None:
         assert near.told == []
 
 
+async def test_a_goal_begins_where_the_arm_stands_also_right_after_another_one_has_ended() -> None:
+    """Not where it was on its way, which only a goal does that supersedes a running one."""
+
+    async def elsewhere() -> list[float]:
+        return [q + 0.1 for q in START]
+
+    async with held() as (server, motion):
+        motion.rest.set()
+        server.submit(first := Client(goal()))
+        await eventually_async(lambda: motion.begun == 1)
+        server.cancel(first)
+        await eventually_async(lambda: first.done and not server.busy)
+        server._robot.state.get_actual_joints_position = elsewhere  # type: ignore[assignment]
+        server.submit(second := Client(goal()))
+        await eventually_async(lambda: second.told)
+        assert (second.told, motion.begun) == (["rejected"], 1)
+
+
 @for_each(
     "name, value",
     product(["path", "goal", "goal_time", "start", "max_stamp_age"], [math.nan, -0.1, math.inf]),
