@@ -119,6 +119,8 @@ class DhGripper(ModbusGripper):
 
     async def _halt(self) -> None:
         found = await self.status()
+        if found.initialization is registers.Initialization.NONE:
+            return  # its position is not known
         # There is no register that stops the gripper: its present position becomes the target.
         # A gripper that has not begun to open still tells of the object that it holds.
         opens = not self._seen_moving and self._target > found.position

@@ -156,6 +156,9 @@ class Robotiq(ModbusGripper):
         await self._send(words)
 
     async def _halt(self) -> None:
+        # One that is reset stands; the request would begin its activation, which moves the fingers.
+        if not (await self.status()).active:
+            return
         _, position, rates = self._sent
         await self._send(registers.request(position & 0xFF, rates >> 8, rates & 0xFF, go=False))
 

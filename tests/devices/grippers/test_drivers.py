@@ -331,6 +331,20 @@ async def test_after_its_block_it_moves_nothing(make: Any) -> None:
         assert (await gripper.close()).holding
 
 
+@pytest.mark.parametrize("make", [robotiq, dh])
+async def test_a_halt_does_not_activate(make: Any) -> None:
+    """The halt of a Robotiq sets rACT, which begins an activation if it was off."""
+    gripper, peer = make()
+    async with gripper:
+        await gripper.halt()
+        assert not peer.written
+        await gripper.activate()
+        await gripper.open()
+        written = len(peer.written)
+        await gripper.halt()
+        assert len(peer.written) == written + 1
+
+
 async def test_the_end_of_the_block_leaves_a_movement_of_another_task_to_it() -> None:
     gripper, peer = robotiq()
     states: list[GripperState] = []
