@@ -98,8 +98,8 @@ _MOVES: Final = (
     *("teach_mode", "run_program", "trackEnqueue", "trackJointMotion", "trackCartMotion"),
     *("fc_start", "fc_move", "start_realtime_mode", "realtime_data_enqueue"),
 )
-#: by a controller's address: another object after each stop by this program
-_last_stops: Final[dict[tuple[str, int], object]] = {}
+#: by the address that a controller's name leads to: another object after each stop by this program
+_last_stops: Final[dict[Any, object]] = {}
 
 # The structs under the manual's names (section 1.2).
 OP = Op
@@ -323,7 +323,7 @@ class DucoCobot(Uncopied, ManualFunctions):
         session = self._session
         if self._connection is None:
             raise ConnectionLost(f"{name} was not sent: call open() first")
-        address = self.ip, self.port
+        address = self._route.address
         if call_kind(name) is CallKind.STOP:
             _last_stops[address] = object()
             return self._stop(name, args)

@@ -124,9 +124,9 @@ def test_threads_take_turns_and_a_stop_does_not_wait(
     assert caplog.text.count("is used in thread") == 1
 
 
-@pytest.mark.parametrize("other", [False, True])
+@pytest.mark.parametrize("other", ["", "127.0.0.1", "localhost"])
 def test_a_motion_that_waits_when_the_arm_is_stopped_is_not_sent(
-    server: RecordingServer, robot: DucoCobot, monkeypatch: pytest.MonkeyPatch, other: bool
+    server: RecordingServer, robot: DucoCobot, monkeypatch: pytest.MonkeyPatch, other: str
 ) -> None:
     """By another object, too, as manual 1.3.3 asks for; what comes after the stop is sent."""
     motion = Blocking(server)
@@ -144,7 +144,7 @@ def test_a_motion_that_waits_when_the_arm_is_stopped_is_not_sent(
     output, is_set = in_thread(lambda: robot.set_standard_digital_out(1, False, True))
     for _ in range(2):
         assert waiting.acquire(timeout=30.0)
-    with DucoCobot(server.host, server.port) as second:
+    with DucoCobot(other or server.host, server.port) as second:
         assert (second if other else robot).stop(True) == 4
     motion.gate.set()
     for thread in (mover, next_one, output):
