@@ -366,7 +366,7 @@ class DucoCobot(Uncopied, ManualFunctions):
         if connection is None:
             raise ConnectionLost(f"{name} was not sent: the connection was closed")
         if connection.state is ConnectionState.ACTIVE:
-            return self._send_aside(name, args)
+            return self._send_aside(name, args, permit)
         self._notice_threads()
         if self._interrupted:
             # An answer that was not taken would be taken for that of the next call.
@@ -390,12 +390,14 @@ class DucoCobot(Uncopied, ManualFunctions):
         while not self._lock.acquire(timeout=WAKE_EVERY):
             pass
 
-    def _send_aside(self, name: str, args: tuple[Any, ...]) -> Any:
+    def _send_aside(
+        self, name: str, args: tuple[Any, ...], permit: Callable[[], object] | None = None
+    ) -> Any:
         """Call on a new connection, while another call is in progress on the object's own one."""
         connection = Connection(Endpoint(self.ip, self.port, route=self._route))
         try:
             connection.open()
-            return connection.call(name, args, self.timeout)
+            return connection.call(name, args, self.timeout, permit)
         finally:
             connection.close()
 

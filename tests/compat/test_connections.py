@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import signal
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import pytest
@@ -174,30 +176,63 @@ def test_a_stop_until_the_last_moment_keeps_a_motion_back(
     assert [call.method for call in server.received()] == ["stop"]
 
 
-def test_a_call_in_the_middle_of_another_by_a_signal_handler(
-    server: RecordingServer, robot: DucoCobot
-) -> None:
-    motion = Blocking(server)
-    answers = []
+@contextmanager
+def handled(motion: Blocking, handler: Any) -> Iterator[None]:
+    """A signal comes in this thread once the motion has begun."""
     waiting = threading.get_ident()
-
-    def handler(*_: Any) -> None:
-        answers.append((robot.stop(True), robot.robotmoving()))
-        motion.gate.set()
 
     def kill() -> None:
         assert motion.begun.wait(30.0)
         signal.pthread_kill(waiting, signal.SIGUSR1)
 
     former = signal.signal(signal.SIGUSR1, handler)
+    killer = threading.Thread(target=kill)
+    killer.start()
     try:
-        killer = threading.Thread(target=kill)
-        killer.start()
-        assert robot.movej2(JOINTS, 1.0, 1.0, 0.0, True) == 4
-        killer.join()
+        yield
     finally:
         signal.signal(signal.SIGUSR1, former)
+        motion.gate.set()
+        killer.join()
+
+
+def test_a_call_in_the_middle_of_another_by_a_signal_handler(
+    server: RecordingServer, robot: DucoCobot
+) -> None:
+    motion = Blocking(server)
+    answers = []
+
+    def handler(*_: Any) -> None:
+        answers.append((robot.stop(True), robot.robotmoving()))
+        motion.gate.set()
+
+    with handled(motion, handler):
+        assert robot.movej2(JOINTS, 1.0, 1.0, 0.0, True) == 4
     assert answers == [(4, True)]
+
+
+def test_a_stop_keeps_the_motion_of_a_signal_handler_back(
+    server: RecordingServer, robot: DucoCobot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    motion = Blocking(server)
+    kept = []
+
+    def connected(connection: Connection, *_: Any) -> None:
+        opens(connection)
+        assert second.stop(True) == 4
+
+    def handler(*_: Any) -> None:
+        monkeypatch.setattr(Connection, "open", connected)
+        with pytest.raises(TaskStopped) as raised:
+            robot.servoj(JOINTS, 1.0, 1.0)
+        kept.append(raised.value)
+        motion.gate.set()
+
+    opens = Connection.open
+    with DucoCobot(server.host, server.port) as second, handled(motion, handler):
+        robot.movej2(JOINTS, 1.0, 1.0, 0.0, True)
+    assert len(kept) == 1
+    assert not server.received("servoj")
 
 
 def test_after_an_interrupted_call_the_next_ones_are_sent(
@@ -205,23 +240,11 @@ def test_after_an_interrupted_call_the_next_ones_are_sent(
 ) -> None:
     motion = Blocking(server)
     server.answer("disable", 4)
-
-    def kill(thread: int) -> None:
-        assert motion.begun.wait(30.0)
-        signal.pthread_kill(thread, signal.SIGUSR1)
-
-    former = signal.signal(signal.SIGUSR1, signal.default_int_handler)  # as Ctrl-C
-    killer = threading.Thread(target=kill, args=(threading.get_ident(),))
-    killer.start()
-    try:
+    with handled(motion, signal.default_int_handler):  # as Ctrl-C
         with pytest.raises(KeyboardInterrupt):
             robot.movej2(JOINTS, 1.0, 1.0, 0.0, True)
         assert robot.stop(True) == robot.disable(True) == 4
         assert robot.robotmoving() is True
-    finally:
-        signal.signal(signal.SIGUSR1, former)
-        motion.gate.set()
-        killer.join()
 
 
 def test_a_stop_is_sent_although_the_connection_is_lost(server: RecordingServer) -> None:
