@@ -10,6 +10,8 @@ from __future__ import annotations
 import ast
 import importlib.util
 import itertools
+import multiprocessing
+import multiprocessing.spawn
 import runpy
 import sys
 from importlib.abc import Loader, MetaPathFinder
@@ -236,6 +238,35 @@ def module_exists(name: str) -> bool:
     return spec is not None
 
 
+def place(thrift: bool, packages: frozenset[str]) -> None:
+    """Let this process, and those that multiprocessing starts from it, find the vendor's modules.
+
+    Args:
+        thrift: as for `VendorModules`.
+        packages: as for `MissingPackages`.
+    """
+    sys.meta_path.insert(0, VendorModules(thrift))
+    sys.meta_path.append(MissingPackages(packages))
+    prepared = multiprocessing.spawn.get_preparation_data
+
+    def with_modules(name: str) -> dict[str, Any]:
+        return {"vendor": _Placed(thrift, packages), **prepared(name)}
+
+    multiprocessing.spawn.get_preparation_data = with_modules
+    # the server of `forkserver` gets no such data, and could not import the program
+    multiprocessing.set_forkserver_preload([])
+
+
+class _Placed:
+    """Unpickled in a new process, before that imports the program, it places the modules there."""
+
+    def __init__(self, *given: Any) -> None:
+        self._given = given
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return place, self._given
+
+
 def run(program: str, arguments: Sequence[str], *, module: bool = False) -> None:
     """Run a program as Python would, with the vendor's modules in place of its own.
 
@@ -248,8 +279,7 @@ def run(program: str, arguments: Sequence[str], *, module: bool = False) -> None
     file = Path.cwd().joinpath(*program.split(".")) if module else Path(program).resolve()
     installed = importlib.util.find_spec("thrift") is not None
     vendor = VendorModules(thrift=not installed)
-    sys.meta_path.insert(0, vendor)
-    sys.meta_path.append(MissingPackages(packages_around(_sources(file), arguments, vendor)))
+    place(not installed, packages_around(_sources(file), arguments, vendor))
     sys.argv = [program, *arguments]
     sys.path.insert(0, str(Path.cwd() if module else file.parent))
     if module:

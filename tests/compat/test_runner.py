@@ -179,6 +179,25 @@ def test_own_modules_in_the_vendors_folder(package: str, tmp_path: Path) -> None
     assert done.stdout == "aioduco.compat home\n", done.stderr
 
 
+def test_processes_of_the_program_import_it_too(tmp_path: Path) -> None:
+    """Those that are not forked, as by spawn, begin with an import of the program."""
+    program = tmp_path / "program.py"
+    program.write_text(
+        "import multiprocessing\n"
+        "from DucoCobot import DucoCobot\n"
+        "from vendor_api.DucoCobot import DucoCobot as Same\n"
+        "def there():\n"
+        "    return DucoCobot.__module__, Same is DucoCobot\n"
+        "if __name__ == '__main__':\n"
+        "    for method in ('spawn', 'forkserver'):\n"
+        "        with multiprocessing.get_context(method).Pool(1) as pool:\n"
+        "            print(*pool.apply_async(there).get(20.0))\n",
+        encoding="utf-8",
+    )
+    done = python("-m", "aioduco.compat", str(program))
+    assert done.stdout == "aioduco.compat True\n" * 2, done.stderr
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["nothing", "nothing.here", "there.not", "json.decoder.not", "..here"]
