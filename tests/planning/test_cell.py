@@ -236,6 +236,15 @@ def test_a_mesh_stands_in_the_planners_scene_and_in_the_simulator(tmp_path: Path
         assert sim.arm.name == "gcr5_910"
 
 
+def test_a_gripper_is_the_tool_of_a_scene_unless_the_file_has_its_looks() -> None:
+    text = 'arm = "gcr5_910"\n[gripper]\nkind = "robotiq_2f140"\n'
+    thing = '[[scene.thing]]\nkind = "box"\nat = [0.45, 0, 0.14]\nsize = [0.3, 0.3, 0.28]\n'
+    rod = '[[tool.thing]]\nkind = "rod"\nlength = 0.01\n'
+    down = Joints.deg(0, -10, 100, 0, -90, 0)  # the flange is 0.44 m above the floor
+    assert Cell(text + thing).scene().collides(down)
+    assert not Cell(text + thing + rod).scene().collides(down)
+
+
 def test_unknown_names_are_answered_with_the_nearest() -> None:
     with pytest.raises(KeyError, match="did you mean 'pick'"):
         cell()["pik"]

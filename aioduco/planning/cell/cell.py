@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from aioduco.errors import CellFileError, ParameterError, WaypointFileError
+from aioduco.models.gripper_models import GRIPPERS
 from aioduco.models.points import Point, TaughtPoints
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.ranges import OWN_NAME
@@ -284,7 +285,9 @@ class Cell(Mapping[str, Point]):
         return Envelope(robot.model, *kept) if kept else None
 
     def scene(self, name: str | None = None) -> Scene:
-        """The planning scene of a robot: its arm, tool and surroundings.
+        """The planning scene of a robot: its arm, tool or gripper, and surroundings.
+
+        A gripper is there, with open fingers, if the file does not say what the tool looks like.
 
         Args:
             name: name of the robot; None for the default, or for the arm without a robot.
@@ -295,11 +298,16 @@ class Cell(Mapping[str, Point]):
         from aioduco.planning.scene import Scene  # noqa: PLC0415 - for planning alone
 
         robot, looks = self._robot_or_arm(name), self._scene.looks
+        tool = self.tool.looks
+        if tool is None and self.gripper is not None:
+            from aioduco.sim.physics.gripper import gripper_mjcf  # noqa: PLC0415 - for it alone
+
+            tool = gripper_mjcf(GRIPPERS[self.gripper.kind])
         return Scene(
             robot.model,
             () if looks is None or isinstance(looks, str) else looks,
             around=looks if isinstance(looks, str) else None,
-            tool=self.tool.looks,
+            tool=tool,
             mounting=robot.mounting,
             pedestal=robot.pedestal,
             padding=self._scene.padding,
