@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 
 _SQUARE = Number(0.0, unit="m", open_low=True, plausible=LONGEST_ARM, source="this package")
+_WIDEST = 5  # half of the window in which a corner's place is refined, at most [pixels]
 _LEAST_CORNERS = 3  # inner corners along a side that OpenCV looks for, at least
 
 
@@ -77,7 +78,11 @@ def find_board(frame: CameraFrame, size: BoardSize) -> Matrix | None:
     if not found:
         return None
     criteria = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 50, 1e-3)
-    corners = cv2.cornerSubPix(grey, corners, (5, 5), (-1, -1), criteria)
+    # A wider window has a neighbour of the corner in it, and moves the corner there.
+    grid = corners.reshape(size.rows, size.columns, 2)
+    near = min(np.linalg.norm(np.diff(grid, axis=axis), axis=2).min() for axis in (0, 1))
+    half = max(1, min(_WIDEST, int(0.5 * near)))
+    corners = cv2.cornerSubPix(grey, corners, (half, half), (-1, -1), criteria)
     points = np.zeros((size.columns * size.rows, 3))
     points[:, :2] = size.square * np.mgrid[: size.columns, : size.rows].T.reshape(-1, 2)
     lens = np.array(frame.intrinsics.distortion) if frame.intrinsics.distortion else None

@@ -267,6 +267,22 @@ def test_a_board_is_found_with_any_form_of_a_lens_and_of_a_picture(distortion: A
         find_board(CameraFrame(image, None, 0.0, lens), (6, 5))  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize("smaller", [4, 9])
+def test_a_small_board_is_as_far_away_as_it_is(smaller: int) -> None:
+    """Each corner was looked for among its neighbours: a board of small squares was elsewhere."""
+    lens = Intrinsics(width=144 * 8, height=90 * 8, fx=900, fy=900, cx=575.5, cy=359.5)
+    image, truth = drawn(lens)
+    size = lens.width // smaller, lens.height // smaller
+    small = Intrinsics(
+        width=size[0], height=size[1], fx=900 / smaller, fy=900 / smaller,
+        cx=576 / smaller - 0.5, cy=360 / smaller - 0.5,
+    )  # fmt: skip
+    shown = np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), np.uint8)
+    found = find_board(CameraFrame(shown, None, 0.0, small), BOARD)
+    assert found is not None
+    assert apart(truth, found)[0] < 3e-3
+
+
 @for_each("name, value", [
         *((name, value) for name in ("width", "height", "fx", "fy", "cx", "cy")
           for value in (np.nan, np.inf, "a", None, np.zeros(2))),
