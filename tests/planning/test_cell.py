@@ -282,6 +282,15 @@ def test_a_new_point_follows_the_text(name: str) -> None:
     assert len(found) == 4
 
 
+@pytest.mark.parametrize("key", ["'joints_deg'", 'a."joints_deg"', '"a" . joints_deg'])
+def test_a_point_with_a_quoted_key_is_taught_again(key: str) -> None:
+    table = "points.a" if key.startswith("'") else "points"
+    found = Cell(f'arm = "gcr5_910"\n[{table}]\n{key} = [0, 0, 0, 0, 0, 0] # keep\n')
+    found.teach("a", Pose(0.1, 0, 0, 0, 0, 0))
+    assert found.pose("a") == Pose(0.1, 0, 0, 0, 0, 0)
+    assert found.text.endswith("[100, 0, 0, 0, 0, 0]  # keep\n")
+
+
 def test_what_cannot_be_taught_changes_nothing() -> None:
     found = cell()
     for name, point in (
@@ -294,7 +303,7 @@ def test_what_cannot_be_taught_changes_nothing() -> None:
     assert found.text == TEXT
     closed = Cell('points = { a = { joints = [0, 0, 0, 0, 0, 0] } }\narm = "gcr5_910"\n')
     before = closed.text
-    with pytest.raises(CellFileError):
+    with pytest.raises(CellFileError, match=r"^cell\.toml: b cannot be written there"):
         closed.teach("b", Joints(0, 0, 0, 0, 0, 0))
     assert (closed.text, list(closed)) == (before, ["a"])
 

@@ -195,10 +195,14 @@ class Cell(Mapping[str, Point]):
         before = self.text
         newline = "\r\n" if "\r\n" in before else "\n"
         text = _with_point(before.replace("\r\n", "\n"), name, _field(stored), frame)
-        self._take(text.replace("\n", newline))
+        unwritten = f"{self.path}: {name} cannot be written there; nothing was changed"
+        try:
+            self._take(text.replace("\n", newline))
+        except CellFileError as error:
+            raise CellFileError(f"{unwritten} ({error})") from error
         if name not in self._points or self._points[name].frame != frame:
             self._take(before)
-            raise CellFileError(f"{self.path}: {name} cannot be written there; nothing was changed")
+            raise CellFileError(unwritten)
 
     def save(self, path: str | os.PathLike[str] | None = None) -> None:
         """Write the text to a file completely or not at all.
@@ -405,6 +409,7 @@ def _replaced(
     begin = old.text[: key_end(old.text)]
     if keys is not None:
         before, found, _ = begin.rpartition(keys[0])
+        before = before.removesuffix('"').removesuffix("'")
         begin = f"{before if found else begin}{keys[1]} "
     made = f"{begin.rstrip()} = {value}{'  ' + comment if comment else ''}"
     return "\n".join([*lines[: old.begin - 1], *made.split("\n"), *lines[old.end :]])
