@@ -376,6 +376,7 @@ class GripperCalls(Block):
 
         Raises:
             ModbusError: the gripper did not answer as it should: it may still move.
+            GripperError: a DH gripper is being activated, which cannot be halted.
         """
         self._call(self._made.halt())
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 from aioduco.devices.grippers import dh_registers as registers
 from aioduco.devices.grippers.gripper import GripperState
 from aioduco.devices.grippers.modbus_gripper import ModbusGripper
-from aioduco.errors import GripperNotActivated, ModbusGarbled
+from aioduco.errors import GripperError, GripperNotActivated, ModbusGarbled
 
 if TYPE_CHECKING:
     from aioduco.devices.grippers.dh_registers import DhState
@@ -121,6 +121,8 @@ class DhGripper(ModbusGripper):
         found = await self.status()
         if found.initialization is registers.Initialization.NONE:
             return  # its position is not known
+        if found.initialization is registers.Initialization.UNDER_WAY:
+            raise GripperError(f"{self} is being activated, which cannot be halted: it moves on")
         # There is no register that stops the gripper: its present position becomes the target.
         # A gripper that has not begun to open still tells of the object that it holds.
         opens = not self._seen_moving and self._target > found.position

@@ -358,6 +358,7 @@ class PolledGripper(Uncopied, ABC):
 
         Raises:
             ModbusError: the gripper did not answer as it should: it may still move.
+            GripperError: a DH gripper is being activated, which cannot be halted.
         """
         await self._halt()
 

@@ -156,8 +156,12 @@ class Robotiq(ModbusGripper):
         await self._send(words)
 
     async def _halt(self) -> None:
+        found = await self.status()
         # One that is reset stands; the request would begin its activation, which moves the fingers.
-        if not (await self.status()).active:
+        if not found.active:
+            return
+        if found.activation is not registers.Activation.ACTIVE:
+            await self._send(registers.reset())  # only this ends an activation
             return
         _, position, rates = self._sent
         await self._send(registers.request(position & 0xFF, rates >> 8, rates & 0xFF, go=False))

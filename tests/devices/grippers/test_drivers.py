@@ -345,6 +345,18 @@ async def test_a_halt_does_not_activate(make: Any) -> None:
         assert len(peer.written) == written + 1
 
 
+async def test_an_activation_is_halted_or_not_said_to_be() -> None:
+    gripper, peer = robotiq()
+    peer.before_read = lambda _: peer.registers.update({0x07D0: 0x1100})
+    await gripper.halt()
+    assert peer.written == [(0x03E8, [0, 0, 0])]  # rACT off
+    slow, other = dh()
+    other.before_read = lambda _: other.registers.update({0x0200: 2})
+    with pytest.raises(errors.GripperError, match="cannot be halted"):
+        await slow.halt()
+    assert not other.written
+
+
 async def test_the_end_of_the_block_leaves_a_movement_of_another_task_to_it() -> None:
     gripper, peer = robotiq()
     states: list[GripperState] = []
