@@ -38,7 +38,7 @@ class Bus(Section):
     whose answer matters, read until the buffer is empty.
     """
 
-    __slots__ = ()
+    __slots__ = ("__weakref__",)
 
     async def set_baudrate_485(self, value: Whole) -> None:
         """Set the bit rate of the cabinet's RS-485 port (设置 485 波特率).

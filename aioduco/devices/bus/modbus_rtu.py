@@ -12,8 +12,9 @@ Guarantees:
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final
+from weakref import WeakKeyDictionary
 
 import anyio
 
@@ -41,30 +42,6 @@ _MOST_WRITTEN = 123
 _DRAIN_CHUNK = 256
 
 
-@dataclass(frozen=True, slots=True)
-class Port:
-    """A serial port, given by its functions for writing and reading.
-
-    Attributes:
-        write: function that writes bytes.
-        read: function that returns at once up to the given number of received bytes; empty if none
-            have arrived.
-    """
-
-    write: Callable[[bytes], Awaitable[None]]
-    read: Callable[[int], Awaitable[bytes]]
-
-    @classmethod
-    def tool(cls, bus: Bus) -> Port:
-        """Return the tool's RS-485 port, from `robot.bus`."""
-        return cls(bus.tool_write_raw_data_485, bus.tool_read_raw_data_485)
-
-    @classmethod
-    def cabinet(cls, bus: Bus) -> Port:
-        """Return the cabinet's RS-485 port, from `robot.bus`."""
-        return cls(bus.write_raw_data_485, bus.read_raw_data_485)
-
-
 class _Line:
     """What the devices on one bus share.
 
@@ -80,6 +57,39 @@ class _Line:
         self.until = 0.0
 
 
+#: by the section of a robot: the lines at its tool and at its cabinet
+_lines: Final[WeakKeyDictionary[Bus, tuple[_Line, _Line]]] = WeakKeyDictionary()
+
+
+@dataclass(frozen=True, slots=True)
+class Port:
+    """A serial port, given by its functions for writing and reading.
+
+    Attributes:
+        write: function that writes bytes.
+        read: function that returns at once up to the given number of received bytes; empty if none
+            have arrived.
+    """
+
+    write: Callable[[bytes], Awaitable[None]]
+    read: Callable[[int], Awaitable[bytes]]
+    _line: _Line = field(default_factory=_Line, repr=False)
+
+    @classmethod
+    def tool(cls, bus: Bus) -> Port:
+        """Return the tool's RS-485 port, from `robot.bus`."""
+        return cls(bus.tool_write_raw_data_485, bus.tool_read_raw_data_485, _at(bus)[0])
+
+    @classmethod
+    def cabinet(cls, bus: Bus) -> Port:
+        """Return the cabinet's RS-485 port, from `robot.bus`."""
+        return cls(bus.write_raw_data_485, bus.read_raw_data_485, _at(bus)[1])
+
+
+def _at(bus: Bus) -> tuple[_Line, _Line]:
+    return _lines.setdefault(bus, (_Line(), _Line()))
+
+
 class ModbusRtu(Uncopied):
     """A device that speaks Modbus RTU.
 
@@ -88,8 +98,8 @@ class ModbusRtu(Uncopied):
         (position,) = await gripper.read_registers(0x0202)
 
     Bit rate and parity of the tool's port must match the device: the wire has no function that
-    sets them. For several devices on one bus use `device`, so that their requests wait for each
-    other.
+    sets them. Requests to the devices at a port of a robot wait for each other, drivers of grippers
+    included; at a port of your own, those of devices that were made with the same `Port`.
 
     Args:
         port: the port to which the device is connected.
@@ -109,7 +119,7 @@ class ModbusRtu(Uncopied):
         self._unit = _UNIT("unit", unit)
         self._timeout = ranges.TIMEOUT("timeout", timeout)
         self._poll = ranges.TIMEOUT("poll", poll)
-        self._line = _Line()
+        self._line = port._line
 
     def __repr__(self) -> str:
         return f"<ModbusRtu device {self._unit}>"
@@ -120,9 +130,7 @@ class ModbusRtu(Uncopied):
         Args:
             unit: its number, 1 to 247.
         """
-        other = ModbusRtu(self._port, unit, timeout=self._timeout, poll=self._poll)
-        other._line = self._line
-        return other
+        return ModbusRtu(self._port, unit, timeout=self._timeout, poll=self._poll)
 
     async def read_registers(self, address: Whole, count: Whole = 1) -> tuple[int, ...]:
         """Read consecutive holding registers (function 0x03).

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+from typing import Any
 
 import anyio
 import pytest
@@ -137,7 +138,9 @@ async def test_a_bus_that_does_not_fall_silent() -> None:
     assert device.requests == []
 
 
-async def test_one_request_at_a_time() -> None:
+@pytest.mark.parametrize("alone", [False, True])
+async def test_one_request_at_a_time(alone: bool) -> None:
+    """Also of two drivers that were made for the port of a robot, each without the other."""
     at_work: list[bytes] = []
     device = Device()
 
@@ -153,10 +156,16 @@ async def test_one_request_at_a_time() -> None:
             at_work.clear()
         return given
 
-    one = ModbusRtu(Port(write, read), 1, timeout=5.0, poll=0.001)
+    class ToolBus:
+        tool_write_raw_data_485 = staticmethod(write)
+        tool_read_raw_data_485 = staticmethod(read)
+
+    bus: Any = ToolBus()
+    one, alike = (ModbusRtu(Port.tool(bus), 1, timeout=5.0, poll=0.001) for _ in range(2))
+    other = alike if alone else one.device(1)
     async with anyio.create_task_group() as group:
         for number in range(10):
-            group.start_soon((one, one.device(1))[number % 2].write_register, number, number)
+            group.start_soon((one, other)[number % 2].write_register, number, number)
     assert sorted(device.written) == [(number, number) for number in range(10)]
 
 
