@@ -392,7 +392,7 @@ def _cartesian(
             if exc.code != "singular" or not around:
                 raise
             path = pass_singularities(arm, q0, laid, tool)
-            limits, kept = passing_limits(arm, path, v, a), None
+            limits, kept = passing_limits(arm, path, laid, v, a, tool), None
     except PlanError as exc:
         exc.flange = flange_along(curve, tool)
         raise

@@ -239,19 +239,33 @@ def pass_singularities(arm: Arm, q0: Array, curve: Curve, tool: Array) -> Path:
     return path
 
 
-def passing_limits(arm: Arm, path: Path, v: float, a: float) -> PathLimits:
+def passing_limits(
+    arm: Arm, path: Path, curve: Curve, v: float, a: float, tool: Array
+) -> PathLimits:
     """Give the limits of such a path: speed and acceleration along the curve, and the joints' own.
+
+    Where the tool leaves the curve, its way is longer: there it is that much slower along it.
 
     Args:
         arm: the arm.
         path: result of `pass_singularities`.
+        curve: curve of the tool centre point in the base frame.
         v: speed along the curve [m/s].
         a: acceleration along it [m/s²].
+        tool: tool centre point in the frame of the flange. Shape (4, 4).
     """
     nodes = path.nodes()
     joints = path.sample(nodes)
-    limits = joint_limits(arm, nodes, joints, math.inf, math.inf, top=v * v)
-    return limits._replace(total=[a] * (len(nodes) - 1))
+    there, meant = np.empty((len(nodes), 3)), np.empty((len(nodes), 3))
+    for part in slices(len(nodes), LONG_SLICE):
+        there[part] = (arm.fkine(joints[part, 0]) @ tool)[:, :3, 3]
+        meant[part] = curve.poses(nodes[part])[:, :3, 3]
+    went, way = (np.linalg.norm(np.diff(each, axis=0), axis=1) for each in (there, meant))
+    # A curve that only turns has no way: its unit is the radian.
+    longer = np.maximum(went / np.maximum(way, np.diff(nodes)), 1.0)
+    around = np.maximum(np.append(longer, 1.0), np.append(1.0, longer))
+    limits = joint_limits(arm, nodes, joints, math.inf, math.inf, top=(v / around) ** 2)
+    return limits._replace(total=(a / longer).tolist())
 
 
 def _stretches(arm: Arm, q0: Array, solutions: Array) -> list[_Stretch]:

@@ -67,6 +67,15 @@ def test_joints_pass_smoothly_and_within_their_limits(name: str) -> None:
     np.testing.assert_allclose(each.fkine(mover.setpoint.q), each.fkine(ASIDE), atol=1e-9)
 
 
+def test_a_tool_that_leaves_its_line_is_no_faster_than_asked_for() -> None:
+    far = np.array([0.5, 0.5, 1.0, 0.5, -0.4, 0.4])
+    mover = Mover(FIVE, BEFORE, CYCLE)
+    mover.append(1, lambda q: line(q, far))
+    points = FIVE.fkine(np.array([tick.setpoint.q for tick in ticks_of(mover)]))[:, :3, 3]
+    speeds = np.linalg.norm(np.diff(points, axis=0), axis=1) / CYCLE
+    assert speeds.max() == pytest.approx(0.1, rel=1e-2)
+
+
 @pytest.mark.slow
 def test_a_path_may_begin_and_end_at_a_singularity() -> None:
     straight = np.array([0.0, 0.3, 1.2, 0.0, 0.0, 0.0])
