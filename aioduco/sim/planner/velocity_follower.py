@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 
 _SINGULAR = 2e-3  # singularity measure below which a tool cannot be moved at a velocity
+_LEAST = 1e-12  # change of a joint's speed that counts [rad/s]
 
 
 class _Velocity(TargetFollower):
@@ -33,6 +34,7 @@ class _Velocity(TargetFollower):
         self._acceleration = 0.0
         self._left = math.inf  # time until it ends [s]
         self._ending = False
+        self._most = cycle * np.array(arm.acceleration)  # change of speed in a cycle [rad/s]
 
     def aim(self, velocity: Array, acceleration: float, time: float = math.inf) -> None:
         """Set another velocity.
@@ -58,13 +60,26 @@ class _Velocity(TargetFollower):
         change = (0.0 if self._ending else self._speed) * self._goal - self._present
         most, step = self._size(change), self._acceleration * self._cycle
         self._present = self._present + change * (min(1.0, step / most) if most > 0.0 else 1.0)
-        if self._ending and not self._present.any():
-            self._end()
         return self._present
 
     @staticmethod
     def _size(change: Array) -> float:
         return float(np.abs(change).max())
+
+    def _possible(self, change: Array, kept: Array) -> float:
+        """Share of a change of joint speeds [rad/s] that the drives can do in a cycle.
+
+        All of it if they cannot even do the speeds that are kept: it may be what slows down.
+        """
+        room = self._most - np.sign(change) * (kept - self.setpoint.qd)
+        share = float((room / np.maximum(np.abs(change), _LEAST)).min())
+        return min(share, 1.0) if share >= 0.0 else 1.0
+
+    def _stands(self) -> bool:
+        """End if it is to end, and the velocity has come to zero; return whether it has ended."""
+        if self._ending and not self._present.any():
+            self._end()
+        return self.ended
 
 
 class JointVelocity(_Velocity):
@@ -74,8 +89,10 @@ class JointVelocity(_Velocity):
         self._present = self.setpoint.qd
 
     def _next(self, q: Array, qd: Array) -> JointSetPoint:  # noqa: ARG002 - it follows no sensors
-        speeds = self._ramp()
-        return self.setpoint if self.ended else self._step(speeds)
+        before = self._present
+        change = self._ramp() - before
+        self._present = before + self._possible(change, before) * change
+        return self.setpoint if self._stands() else self._step(self._present)
 
 
 class ToolVelocity(_Velocity):
@@ -108,14 +125,19 @@ class ToolVelocity(_Velocity):
         self._present = np.zeros(6)
 
     def _next(self, q: Array, qd: Array) -> JointSetPoint:  # noqa: ARG002 - it follows no sensors
-        velocity = self._ramp()
-        if self.ended:
-            return self.setpoint
+        before, velocity = self._present, self._ramp()
         # The mean of the speeds at both ends of the step would need the end. The speed half a step
         # ahead is as exact.
         half = self.setpoint.q + 0.5 * self._cycle * self.setpoint.qd
         here = joint_speeds(self._arm, half, self._rotated(half, velocity), self.tool)
         last = self.setpoint
+        if (np.abs(here - last.qd) > self._most).any():
+            kept = joint_speeds(self._arm, half, self._rotated(half, before), self.tool)
+            share = self._possible(here - kept, kept)
+            self._present = before + share * (velocity - before)
+            here = kept + share * (here - kept)
+        if self._stands():
+            return self.setpoint
         point = self._step(here)
         point.q[:] = last.q + self._cycle * here
         return point

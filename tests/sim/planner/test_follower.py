@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from aioduco.models.rotation import Array
 from aioduco.sim.planner.realtime_follower import (
     Follow,
     RealtimeCommand,
@@ -69,3 +70,22 @@ def test_what_is_resumed_before_it_stands_keeps_to_its_accelerations(
     assert follower.failure is None
     assert np.abs(speeds[-1]).max() > 0.1
     assert np.abs(np.diff(speeds, axis=0)).max() < CYCLE * max(FIVE.acceleration)
+
+
+@pytest.mark.parametrize(
+    ("follower", "velocity"),
+    [
+        (JointVelocity(FIVE, HOME, CYCLE), 2.0 * TURN),
+        (ToolVelocity(FIVE, HOME, CYCLE, np.eye(4)), np.array([0.2, 0.1, 0.1, 0.5, -0.4, 0.3])),
+    ],
+)
+def test_velocities_change_no_faster_than_the_drives_can(follower: Any, velocity: Array) -> None:
+    follower.aim(velocity, 1000.0)
+    speeds = [follower.tick(NONE, NONE).qd for _ in range(100)]
+    follower.finish()
+    while not follower.ended:
+        speeds.append(follower.tick(NONE, NONE).qd)
+    assert follower.failure is None
+    changes = np.abs(np.diff(speeds, axis=0)).max(axis=1)
+    assert changes.max() == pytest.approx(CYCLE * max(FIVE.acceleration))
+    assert len(speeds) < 160
