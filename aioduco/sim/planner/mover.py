@@ -402,7 +402,11 @@ class Mover:
         else:
             v = self._v + (-limit if down else limit) * self.cycle
             s = self._s + 0.5 * (self._v + v) * self.cycle
-        if s >= law.end:
+        wait = law.first_wait(self._s, s)
+        if wait is not None:
+            # It stands there before it goes on, also if it is beyond it by rounding.
+            (s, self._time), v, piece = wait, 0.0, 0
+        elif s >= law.end:
             end, beyond = law.end_speed, s - law.end
             if self._settles(law):
                 return
@@ -411,12 +415,13 @@ class Mover:
                 self._set(beyond * ratio, self._v, 0.0)
             return
         self._law_piece = piece
-        highest = law.speed(s, piece) * (1.0 if braking else self._speed)
+        lawful = law.speed(s, piece)
+        highest = lawful * (1.0 if braking else self._speed)
         if not braking and (v <= highest if down else v >= highest):
-            v = highest
-            self._time, self._tracking = law.time(s), True
+            v, self._tracking = highest, True
+            self._time = law.time(s) if wait is None else self._time
         # If the law decelerates faster than the motion's own limit, the arm follows the law.
-        v = min(v, highest) if braking else v
+        v = min(v, lawful)
         self._set(s, v, (v - self._v) / self.cycle if v > 0.0 else 0.0)
         if v == 0.0 and self._stopping:
             self._drop()

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 _SHORTEST = 1e-9  # least length of a piece, as a share of the whole
 _SAME = 1e-9  # accelerations with a smaller relative difference are the same
+_ROUNDING = 1e-15  # of a distance
 _DONE = object()
 
 
@@ -148,12 +149,14 @@ class TimeLaw:
         "_s",
         "_t",
         "_v",
+        "_waits",
         "start",
     )
 
     def __init__(self, start: float, speed: float) -> None:
         self._s, self._v, self._t = [start], [speed], [0.0]
         self._rate: list[float] = []
+        self._waits: list[tuple[float, float]] = []  # where they are, and when they begin
         self._ahead: Iterator[None] | None = None  # each step extends the law to the next node
         self._goal = start
         self.start: float = start
@@ -216,6 +219,7 @@ class TimeLaw:
     def wait(self, time: float) -> None:
         """Extend the law by a wait of some time [s] at its end, where it stands."""
         self._v[-1] = self._end_speed = 0.0  # apart from rounding, it is 0 already
+        self._waits.append((self._end, self._duration))
         self._duration += time
         self._rate.append(0.0)
         self._s.append(self._end)
@@ -237,6 +241,12 @@ class TimeLaw:
             hint += 1
         since, v, rate = t - self._t[hint], self._v[hint], self._rate[hint]
         return hint, self._s[hint] + (v + 0.5 * rate * since) * since, v + rate * since, rate
+
+    def first_wait(self, start: float, end: float) -> tuple[float, float] | None:
+        """Give the first wait from one distance to another: where it is, and when it begins [s]."""
+        self.piece(end)
+        i = bisect_left(self._waits, (start - _ROUNDING, 0.0))
+        return self._waits[i] if i < len(self._waits) and self._waits[i][0] <= end else None
 
     def speed(self, s: float, hint: int = 0) -> float:
         """Give ds/dt at distance s."""

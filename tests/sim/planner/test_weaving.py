@@ -163,6 +163,33 @@ def test_a_pause_does_not_shorten_a_dwell() -> None:
     assert stood(pause=True) == stood(pause=False) + 40
 
 
+@pytest.mark.parametrize("before", [1, 10, 30])
+def test_a_change_of_speed_just_before_a_dwell_does_not_skip_it(before: int) -> None:
+    weave = Weave(WeaveShape.TRAPEZOID, WeavePlane.TOOL_XY, 1.0, 0.003, 0.2, 0.0, stands=True)
+    segment = woven(weave)
+    turning = [tick.setpoint.qd.any() for tick in ticks_of(moving(lambda _q: segment))]
+    dwell = turning.index(np.False_, 1)
+    mover = moving(lambda _q: segment)
+    for _ in range(dwell - before):
+        mover.tick()
+    mover.set_speed(0.5)
+    still = [not mover.tick().setpoint.qd.any() for _ in range(500)]
+    assert sum(still) * CYCLE == pytest.approx(0.4, abs=0.005)
+
+
+def test_a_slower_speed_near_the_end_comes_to_rest_within_the_drives_acceleration() -> None:
+    weave = Weave(WeaveShape.FIGURE_EIGHT, WeavePlane.TOOL_XY, 5.0, 0.01, 0.0, 0.2)
+    aside = START.copy()
+    aside[1, 3] += 0.01
+    segment = line_move(FIVE, HOME, aside, 0.02, 1.0, weave=weave)
+    mover = moving(lambda _q: segment)
+    for _ in range(len(ticks_of(moving(lambda _q: segment))) - 20):
+        mover.tick()
+    mover.set_speed(0.1)
+    speeds = np.array([tick.setpoint.qd for tick in ticks_of(mover)])
+    assert np.abs(np.diff(speeds, axis=0)).max() / CYCLE < max(FIVE.acceleration)
+
+
 @pytest.mark.slow
 def test_pauses_and_speeds_leave_the_way_as_it_is() -> None:
     weave = Weave(WeaveShape.FIGURE_EIGHT, WeavePlane.TOOL_XY, 2.0, 0.004, 0.1, 0.1, stands=True)
