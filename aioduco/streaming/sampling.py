@@ -13,9 +13,12 @@ from aioduco.models.rules import LONGEST
 from aioduco.streaming.shared.space import PoseSpace, Space
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
 
+_AT_ONCE = 256  # set-points computed at a time
 #: largest number of set-points of one trajectory: 5.5 hours at 500 Hz, half a gigabyte
 _MOST_INSTANTS = 10_000_000
 
@@ -107,8 +110,11 @@ def _monotone(times: NDArray[np.float64], points: NDArray[np.float64]) -> NDArra
     return velocities
 
 
-def sampled(space: Space, trajectory: Any, times: Any, interval: float) -> NDArray[np.float64]:
+def sampled(space: Space, trajectory: Any, times: Any, interval: float) -> Iterator[list[float]]:
     """Set-points at a fixed interval, from points at given times.
+
+    They are computed as they are taken: those of a long trajectory take seconds, in which an event
+    loop must run.
 
     Args:
         space: the space of the points.
@@ -116,17 +122,19 @@ def sampled(space: Space, trajectory: Any, times: Any, interval: float) -> NDArr
         times: due time of each point, rising [s]. Shape (n,). None: one point per interval.
         interval: time between two set-points [s].
 
-    Returns:
-        The set-points, from the first point to the last. Shape (m, 6).
+    Yields:
+        Each set-point, from the first point to the last. Shape (6,).
 
     Raises:
-        ParameterError: the shapes do not match, a number is not finite, or times do not rise.
+        ParameterError: the shapes do not match, a number is not finite, or times do not rise; it
+            is raised before the first set-point.
     """
     points = number_array("trajectory", trajectory)
     if points.ndim != 2 or points.shape[1] != 6 or not len(points):
         raise ParameterError("trajectory", points.shape, "of the shape (n, 6), n at least 1")
     if times is None:
-        return points
+        yield from points.tolist()
+        return
     moments = number_array("times", times)
     if moments.shape != (len(points),):
         raise ParameterError("times", moments.shape, f"of the shape ({len(points)},)")
@@ -134,9 +142,15 @@ def sampled(space: Space, trajectory: Any, times: Any, interval: float) -> NDArr
         raise ParameterError("times", times, "rising")
     moments = moments - moments[0]
     at = instants(float(moments[-1]), interval)
-    if isinstance(space, PoseSpace):
-        return _poses(space, points, moments, at)
-    return Spline(moments, points).at(at)
+    in_poses = isinstance(space, PoseSpace) and len(points) > 1
+    # orientations by the shortest turn between two points
+    spline = Spline(moments, points[:, :3] if in_poses else points)
+    turned: Iterator[tuple[float, ...]] = (
+        _turned(space, points, moments, at) if in_poses else itertools.repeat(())
+    )
+    for begin in range(0, len(at), _AT_ONCE):
+        for placed in spline.at(at[begin : begin + _AT_ONCE]).tolist():
+            yield [*placed, *next(turned)]
 
 
 def instants(duration: float, interval: float) -> NDArray[np.float64]:
@@ -154,24 +168,15 @@ def instants(duration: float, interval: float) -> NDArray[np.float64]:
     return found
 
 
-def _poses(
-    space: PoseSpace,
-    points: NDArray[np.float64],
-    moments: NDArray[np.float64],
-    at: NDArray[np.float64],
-) -> NDArray[np.float64]:
-    """Positions on a monotone curve, orientations by the shortest turn between two points."""
-    placed = Spline(moments, points[:, :3]).at(at)
-    if len(points) == 1:
-        return np.repeat(points, len(at), axis=0)
-    decoded = [space.decode(point) for point in points.tolist()]
-    turns = [space.difference(a, b) for a, b in itertools.pairwise(decoded)]
-    found = np.empty((len(at), 6))
+def _turned(
+    space: Space, points: NDArray[np.float64], moments: NDArray[np.float64], at: NDArray[np.float64]
+) -> Iterator[tuple[float, ...]]:
+    """The orientation of each set-point, by the shortest turn between two points [rad]."""
     indices = np.clip(np.searchsorted(moments, at, "right") - 1, 0, len(points) - 2)
-    lengths = np.diff(moments)
-    for row, (index, moment) in enumerate(zip(indices.tolist(), at.tolist(), strict=True)):
-        share = (moment - moments[index]) / lengths[index]
-        turn = tuple(share * t for t in turns[index])
-        found[row] = space.encode(space.moved(decoded[index], turn))
-    found[:, :3] = placed
-    return found
+    for index, rows in itertools.groupby(range(len(at)), indices.__getitem__):
+        start, end = (space.decode(point) for point in points[index : index + 2].tolist())
+        begin, length = moments[index], moments[index + 1] - moments[index]
+        way = space.difference(start, end)
+        for row in rows:
+            share = float((at[row] - begin) / length)
+            yield space.encode(space.moved(start, tuple(share * w for w in way)))[3:]

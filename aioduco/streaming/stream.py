@@ -351,7 +351,7 @@ class Stream(Uncopied):
         before = self._last
         # speeds are numbers, also those that a pose has in place of angles
         space = JOINT_SPACE if self._sent.meaning == "speed" else self._space
-        for point in sampled(space, trajectory, times, interval).tolist():
+        for point in sampled(space, trajectory, times, interval):
             values = tuple(self._check("trajectory", point))
             self._check_step(values, before)
             before = values

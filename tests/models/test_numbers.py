@@ -169,14 +169,14 @@ def test_a_time_in_nanoseconds_is_named_as_one() -> None:
     with pytest.raises(ParameterError, match="seconds, not nanoseconds"):
         JointTrajectory([[0.0] * 6, [0.1] * 6], [0.0, 1e9])
     with pytest.raises(ParameterError, match="seconds, not nanoseconds"):
-        sampled(JOINT_SPACE, [[0.0] * 6, [0.1] * 6], [0.0, 4e8], 0.002)
+        next(sampled(JOINT_SPACE, [[0.0] * 6, [0.1] * 6], [0.0, 4e8], 0.002))
 
 
 #: by name, what takes an array
 ARRAY_TAKERS: dict[str, Callable[[Any], Any]] = {
     "times": lambda x: JointTrajectory(np.zeros((6, 6)), x),
     "positions": lambda x: JointTrajectory(np.stack([x, x]), [0.0, 1.0]),
-    "sampled": lambda x: sampled(JOINT_SPACE, np.zeros((6, 6)), x, 0.002),
+    "sampled": lambda x: next(sampled(JOINT_SPACE, np.zeros((6, 6)), x, 0.002)),
     "rule": lambda x: ranges.JOINTS("joints", x),
     "Joints": Joints.of,
     "fkine": kinematics.arm("gcr5_910").fkine,

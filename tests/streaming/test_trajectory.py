@@ -32,7 +32,7 @@ from aioduco.streaming.joint_trajectory import (
 )
 from aioduco.streaming.sampling import Spline, sampled
 from aioduco.streaming.shared.options import WorkerOptions
-from aioduco.streaming.shared.space import JOINT_SPACE, POSE_SPACE
+from aioduco.streaming.shared.space import JOINT_SPACE, POSE_SPACE, Config, PoseSpace
 
 from .conftest import HERE, Controller, Cycles, answer_all, came_to_rest
 
@@ -105,13 +105,28 @@ def test_a_trajectory_says_how_long_it_is() -> None:
 
 def test_poses_are_sampled_by_the_shortest_turn() -> None:
     start, end = [0.5, 0.0, 0.4, 3.0, 0.0, 0.0], [0.6, 0.0, 0.4, -3.0, 0.0, 0.0]
-    found = sampled(POSE_SPACE, [start, end], [0.0, 1.0], 0.1)
-    assert found.shape == (11, 6)
+    found = list(sampled(POSE_SPACE, [start, end], [0.0, 1.0], 0.1))
+    assert np.shape(found) == (11, 6)
     turns = [
         POSE_SPACE.difference(POSE_SPACE.decode(a), POSE_SPACE.decode(b))[3]
         for a, b in itertools.pairwise(found)
     ]
     np.testing.assert_allclose(turns, (2 * np.pi - 6.0) / 10, atol=1e-9)
+
+
+def test_a_long_array_is_sampled_bit_by_bit() -> None:
+    """All of it takes seconds, in which an event loop would not run, and the robot be stopped."""
+    made = []
+
+    class Counting(PoseSpace):
+        def encode(self, config: Config) -> tuple[float, ...]:
+            made.append(config)
+            return super().encode(config)
+
+    found = sampled(Counting(), [[0.1] * 6, [0.2] * 6], [0.0, 100.0], 0.01)
+    next(found)
+    assert len(made) <= 256
+    assert len(list(found)) == 10_000
 
 
 @for_each(
@@ -128,7 +143,7 @@ def test_poses_are_sampled_by_the_shortest_turn() -> None:
 )
 def test_arrays_that_do_not_fit_are_refused(trajectory: Any, times: Any, name: str) -> None:
     with pytest.raises(ParameterError) as caught:
-        sampled(JOINT_SPACE, trajectory, times, 0.01)
+        next(sampled(JOINT_SPACE, trajectory, times, 0.01))
     assert caught.value.parameter == name
 
 
