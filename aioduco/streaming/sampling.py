@@ -133,7 +133,8 @@ def sampled(space: Space, trajectory: Any, times: Any, interval: float) -> Itera
     if points.ndim != 2 or points.shape[1] != 6 or not len(points):
         raise ParameterError("trajectory", points.shape, "of the shape (n, 6), n at least 1")
     if times is None:
-        yield from points.tolist()
+        for begin in range(0, len(points), _AT_ONCE):
+            yield from points[begin : begin + _AT_ONCE].tolist()
         return
     moments = number_array("times", times)
     if moments.shape != (len(points),):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import signal
 from collections.abc import Iterator
@@ -236,8 +237,23 @@ async def send(switch: TrajectorySwitch, number: int, happens: Any) -> tuple[Sen
     curve = JointTrajectory([HERE, HERE + WAY], [0.0, 2.0]).curve(HERE.tolist())
     stream: Any = Sent(number, happens)
     way = _Way(curve, INTERVAL, Tolerances())
-    await _send(stream, _points(curve, INTERVAL, 3.0), way, switch, 3.0)
+    await _send(stream, await _points(curve, INTERVAL, 3.0), way, switch, 3.0)
     return stream, way
+
+
+async def test_the_event_loop_runs_while_a_long_trajectory_is_sampled() -> None:
+    curve = JointTrajectory([HERE, HERE + WAY], [0.0, 100.0]).curve(HERE.tolist())
+    turns: list[None] = []
+
+    async def count() -> None:
+        while True:
+            turns.append(None)
+            await asyncio.sleep(0.0)
+
+    counting = asyncio.create_task(count())
+    assert len(await _points(curve, 0.001, 3.0)) == 100_001
+    counting.cancel()
+    assert len(turns) > 10
 
 
 async def test_the_arm_goes_over_without_a_step() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING, NamedTuple
 
-import anyio
+import anyio.lowlevel
 import numpy as np
 
 from aioduco.api.motion.switch import SwitchPlace, TrajectorySwitch
@@ -40,6 +40,7 @@ _DEPTH = 100  # points in the controller's queue: it lasts for 0.1 s without new
 _LAG = 0.3  # seconds by which the arm may lag behind its set-points without being off its path
 _AHEAD = 0.4  # seconds of set-points that are sent ahead, where another trajectory may come
 _REST = 0.01  # rad/s up to which a joint rests at the last point
+_AT_ONCE = 4096  # set-points computed before the event loop runs again
 _WINDOW = 60  # points of the path in that time with which the arm's position is compared
 
 
@@ -87,7 +88,7 @@ async def follow(
     limits = tolerances or Tolerances()
     curve = trajectory.curve(await read_joints())
     interval = CYCLE if realtime else 1 / rate
-    points = _points(curve, interval, v)
+    points = await _points(curve, interval, v)
     step = max(0.2, 2 * v * interval)
     ahead = None if switch is None else max(2, round(_AHEAD / interval))
     stream: Stream
@@ -122,13 +123,17 @@ async def follow(
     )
 
 
-def _points(curve: Spline, interval: float, v: float) -> NDArray[np.float64]:
-    """The set-points of a curve.
+async def _points(curve: Spline, interval: float, v: float) -> NDArray[np.float64]:
+    """The set-points of a curve, computed bit by bit: those of ten minutes take a second.
 
     Raises:
         ParameterError: it is too fast, or does not end at rest.
     """
-    points = curve.at(curve.times[0] + instants(curve.duration, interval))
+    at = curve.times[0] + instants(curve.duration, interval)
+    points = np.empty((len(at), 6))
+    for begin in range(0, len(at), _AT_ONCE):
+        points[begin : begin + _AT_ONCE] = curve.at(at[begin : begin + _AT_ONCE])
+        await anyio.lowlevel.checkpoint()
     speed = np.abs(np.diff(points, axis=0)).max(initial=0.0) / interval
     if speed > v * (1 + 1e-6):
         raise ParameterError(
@@ -155,7 +160,7 @@ async def _send(
             if switch.asked and (other := switch.made(way.place(index, stream.taken))) is not None:
                 trajectory, limits = other
                 curve = trajectory.curve(points[index])
-                points, index = _points(curve, way.interval, v), 0
+                points, index = await _points(curve, way.interval, v), 0
                 way.go_over(curve, limits)
             await stream.send(points[index])
             way.sent += 1
