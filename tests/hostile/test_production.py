@@ -29,6 +29,7 @@ def test_the_service_lets_the_program_leave_and_the_guard_end_after_it() -> None
     assert service["KillSignal"] == "SIGINT"
     assert float(service["TimeoutStopSec"]) >= LONGEST
     assert service["Restart"] == "no"
+    assert "Install" not in unit, "enabled, it moves the arm when the computer starts again"
     assert int(service["LimitRTPRIO"]) >= 1
     assert "SendSIGKILL" not in service
 
