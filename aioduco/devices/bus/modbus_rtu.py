@@ -73,7 +73,7 @@ class Port:
 
     write: Callable[[bytes], Awaitable[None]]
     read: Callable[[int], Awaitable[bytes]]
-    _line: _Line = field(default_factory=_Line, repr=False)
+    _line: _Line = field(default_factory=_Line, repr=False, compare=False)
 
     @classmethod
     def tool(cls, bus: Bus) -> Port:
