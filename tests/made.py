@@ -21,6 +21,7 @@ import numpy.typing as npt
 import aioduco
 from aioduco import Cell, Joints, JointTrajectory, TaughtPoints, kinematics, planning
 from aioduco._process.copying import Frozen
+from aioduco.devices.bus.modbus_rtu import Port
 from aioduco.envelope import Envelope, JointMargin, ToolSpeed
 from aioduco.planning import Scene
 from aioduco.recording.playback import WaypointFile
@@ -210,6 +211,8 @@ def same(one: Any, other: Any) -> bool:
 def _content(thing: Any) -> dict[str, Any]:
     if isinstance(thing, Scene):  # but for its lock
         return thing.__getstate__()
+    if isinstance(thing, Port):  # but for the requests under way
+        return {"write": thing.write, "read": thing.read}
     slots = [name for kind in type(thing).__mro__ for name in kind.__dict__.get("__slots__", ())]
     found = {name: getattr(thing, name) for name in slots if hasattr(thing, name)}
     return {**found, **getattr(thing, "__dict__", {})}
