@@ -12,7 +12,7 @@ from aioduco._process.copying import Uncopied
 from aioduco.errors import DucoError, RobotStateError
 from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState
 from aioduco.supervision.concurrency import BackgroundTasks, every
-from aioduco.supervision.state_feed import Policy, Snapshot, StateFeed, Subscription
+from aioduco.supervision.state_feed import Policy, Snapshot, StateFeed, Subscription, left
 from aioduco.supervision.task_state import added_entries
 
 if TYPE_CHECKING:
@@ -388,6 +388,7 @@ class Events(Uncopied):
             yield subscription
         finally:
             self._subscriptions.remove(subscription)
+            subscription.end(left())
 
     def close(self) -> None:
         """End all subscriptions: no more events come."""

@@ -119,8 +119,8 @@ class Subscription(Uncopied, Generic[T]):
         raise IndexError("nothing waits")
 
     def end(self, error: DucoError) -> None:
-        """End the subscription: the reader gets the error after the waiting items."""
-        self._over = error
+        """End the subscription: the reader gets the first such error after the waiting items."""
+        self._over = self._over or error
         try:
             self._there.ring()
         except RuntimeError:
@@ -135,7 +135,8 @@ class Subscription(Uncopied, Generic[T]):
 
         Raises:
             FeedOverflow: items were dropped here.
-            RobotStateError: the robot was closed, or another task waits for the next item.
+            RobotStateError: the robot was closed, the subscription's block has ended, or another
+                task waits for the next item.
         """
         self._owner_loop.require("the next item")
         if self._items or self._overflown:
@@ -151,6 +152,11 @@ class Subscription(Uncopied, Generic[T]):
                 )
             await self._there.wait()
         return self.take()
+
+
+def left() -> RobotStateError:
+    """The error for a reader that is in another task, or behind the subscription's block."""
+    return RobotStateError("nothing more comes of this subscription: its block has ended")
 
 
 #: weight of a new interval in the measured rate
@@ -372,6 +378,7 @@ class StateFeed(Uncopied, MisspeltRefused):
             yield subscription
         finally:
             self._subscriptions.remove(subscription)
+            subscription.end(left())
 
     async def wait_for(
         self, predicate: Callable[[Snapshot], bool], *, timeout: float | None = None

@@ -45,7 +45,7 @@ class Subscription(Blocking, Generic[T]):
         Raises:
             ParameterError: the time is below 0.
             TimeoutError: none came in time.
-            RobotStateError: the robot was closed.
+            RobotStateError: the robot was closed, or the block of the subscription has ended.
         """
         if timeout is not None:
             timeout = WAIT("timeout", timeout)

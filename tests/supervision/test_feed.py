@@ -223,6 +223,19 @@ async def test_waiting_ends_with_the_robot(bench: Bench) -> None:
     assert len(raised) == 1
 
 
+async def test_waiting_ends_with_the_block_of_the_subscription(robot: aioduco.Robot) -> None:
+    """A reader in another task waited for ever, also when the robot was closed."""
+    raised: list[BaseException] = []
+    with anyio.fail_after(10.0):
+        async with anyio.create_task_group() as tasks:
+            with robot.events.subscribe() as events, robot.feed.subscribe("latest") as samples:
+                tasks.start_soon(noted, raised, aioduco.RobotStateError, anext(events))
+                await anext(samples)
+        with pytest.raises(aioduco.RobotStateError, match="its block has ended"):
+            [sample async for sample in samples]
+    assert "its block has ended" in str(raised[0])
+
+
 # -- events ------------------------------------------------------------------------------------
 
 
