@@ -407,15 +407,19 @@ class TrajectoryServer:
         with anyio.CancelScope() as scope, job.permit:
             self._scope = scope
             try:
-                actual = await self._ready(job)
-                job.handle.accepted()
-                begun = True
                 async with anyio.create_task_group() as tasks:
                     tasks.start_soon(self._watch_client)
-                    tasks.start_soon(self._watch_time)
-                    tasks.start_soon(self._watch_speed)
-                    error = await self._follow(job, actual)
-                    finished = error is None
+                    try:
+                        actual = await self._ready(job)
+                    except Exception as refusal:
+                        error = refusal
+                    else:
+                        job.handle.accepted()
+                        begun = True
+                        tasks.start_soon(self._watch_time)
+                        tasks.start_soon(self._watch_speed)
+                        error = await self._follow(job, actual)
+                        finished = error is None
                     tasks.cancel_scope.cancel()
             except Exception as exc:  # any kind of error: the goal has failed, the driver continues
                 error = exc
@@ -616,7 +620,7 @@ class TrajectoryServer:
             if not self._running.handle.alive():
                 break
         _log.warning("the client of the goal is gone: the arm comes to rest")
-        if self._stop_at_loss:
+        if self._stop_at_loss and self._part is not None:
             with contextlib.suppress(DucoError):
                 await self._robot.stop()
         self._halt("its client is gone")

@@ -342,6 +342,16 @@ async def test_a_clock_that_is_set_changes_no_goal_that_waits_for_its_begin(step
         assert client.told == ["accepted"]
 
 
+async def test_a_goal_that_waits_for_its_begin_ends_with_its_client() -> None:
+    """A client that has gone by its begin was never seen, in ROS 2: the arm moved for nobody."""
+    async with held() as (server, motion):
+        server.submit(client := Client(goal(stamp=NOW + 30.0)))
+        await anyio.wait_all_tasks_blocked()
+        client.here = False
+        await eventually_async(lambda: client.done, 10.0)
+        assert (client.told, motion.begun) == (["cancelled"], 0)
+
+
 async def test_a_resume_before_the_arm_stands_answers_the_pause() -> None:
     answers: list[bool] = []
     async with held() as (server, motion), anyio.create_task_group() as tasks:
