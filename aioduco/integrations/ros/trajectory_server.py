@@ -484,7 +484,8 @@ class TrajectoryServer:
         part, self._rising = whole_path(job.checked.trajectory, self.factor), False
         if job.joins and away > self._rules.start:
             # the arm went on while the earlier goal came to rest
-            passed = anyio.current_time() - job.arrived + _LAG
+            since = job.arrived if job.begin is None else job.begin
+            passed = anyio.current_time() - since + _LAG
             part = self._rest(path, actual, nearest_time(path, actual, 0.0, passed))
         self._path = path
         begin = anyio.current_time() if job.begin is None else job.begin

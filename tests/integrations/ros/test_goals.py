@@ -10,6 +10,7 @@ from dataclasses import replace
 from itertools import product
 from types import SimpleNamespace
 from typing import Any
+from unittest.mock import AsyncMock
 
 import anyio
 import anyio.lowlevel
@@ -252,9 +253,11 @@ class HeldMotion:
     def __init__(self) -> None:
         self.begun = 0
         self.rest = anyio.Event()
+        self.trajectory: Any = None
 
     async def follow_joint_trajectory(self, trajectory: Any, *, feedback: Any, **_: Any) -> None:
         self.begun += 1
+        self.trajectory = trajectory
         here = np.array(START)
         feedback(GoalProgress(0.0, here, here, np.zeros(6)))
         try:
@@ -342,6 +345,26 @@ async def test_a_clock_that_is_set_changes_no_goal_that_waits_for_its_begin(step
         assert client.told == ["accepted"]
 
 
+async def test_nothing_of_a_path_is_left_out_for_the_time_before_its_begin(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with held() as (server, motion):
+        motion.rest.set()
+        server.submit(Client(goal()))
+        await eventually_async(lambda: motion.begun == 1)
+        there = (*way(1.0, 0.1)[:5], 0.12)  # where the arm stands, and the path leads through late
+        state: Any = server._robot.state
+        state.get_actual_joints_position = AsyncMock(return_value=there)
+        places = (START, (0.5, *START[1:]), START, there, way(1.0))
+        points = [GoalPoint(place, time=10.0 * n) for n, place in enumerate(places)]
+        long_ago = anyio.current_time() - 35.0
+        with monkeypatch.context() as then:
+            then.setattr(anyio, "current_time", lambda: long_ago)
+            server.submit(Client(goal(points=points, stamp=NOW + 35.0)))
+        await eventually_async(lambda: motion.begun == 2)
+        assert motion.trajectory.duration > 35.0
+
+
 async def test_a_goal_that_waits_for_its_begin_ends_with_its_client() -> None:
     """A client that has gone by its begin was never seen, in ROS 2: the arm moved for nobody."""
     async with held() as (server, motion):
@@ -393,17 +416,14 @@ async def test_a_goal_that_begins_elsewhere_disturbs_no_running_one() -> None:
 
 async def test_a_goal_begins_where_the_arm_stands_also_right_after_another_one_has_ended() -> None:
     """Not where it was on its way, which only a goal does that supersedes a running one."""
-
-    async def elsewhere() -> list[float]:
-        return [q + 0.1 for q in START]
-
     async with held() as (server, motion):
         motion.rest.set()
         server.submit(first := Client(goal()))
         await eventually_async(lambda: motion.begun == 1)
         server.cancel(first)
         await eventually_async(lambda: first.done and not server.busy)
-        server._robot.state.get_actual_joints_position = elsewhere  # type: ignore[assignment]
+        state: Any = server._robot.state
+        state.get_actual_joints_position = AsyncMock(return_value=way(1.0, 0.1))
         server.submit(second := Client(goal()))
         await eventually_async(lambda: second.told)
         assert (second.told, motion.begun) == (["rejected"], 1)
