@@ -34,8 +34,8 @@ def settings_of(parameters: dict[str, Any], *, joint_commands: bool = True) -> N
 
     Args:
         parameters: values by name. `robot_ip`, the manual's name of the launch argument, is an
-            alias of `host`. Tolerances of goals are `path_tolerance`, `goal_tolerance`,
-            `goal_time_tolerance`, `start_tolerance` and `stamp_tolerance`.
+            alias of `host`, and counts if that is empty. Tolerances of goals are `path_tolerance`,
+            `goal_tolerance`, `goal_time_tolerance`, `start_tolerance` and `stamp_tolerance`.
         joint_commands: whether the shell takes joint commands; without them, the parameters of
             joint commands are unknown.
 
@@ -43,9 +43,8 @@ def settings_of(parameters: dict[str, Any], *, joint_commands: bool = True) -> N
         ParameterError: a parameter is missing, unknown, of a wrong type or out of range.
     """
     given = dict(parameters)
-    if "robot_ip" in given:
-        given.setdefault("host", given.pop("robot_ip"))
-        given.pop("robot_ip", None)
+    alias = given.pop("robot_ip", "")
+    given["host"] = given.get("host") or alias
     known = parameter_defaults()
     if not joint_commands:
         known = {name: default for name, default in known.items() if name not in _COMMANDS}

@@ -242,6 +242,8 @@ def test_commands_of_two_arms_at_once() -> None:
 
 def test_parameters() -> None:
     assert settings_of({**parameter_defaults(), "host": "a"}) == NodeSettings(host="a")
+    assert settings_of({"robot_ip": "b", "host": ""}).host == "b"
+    assert settings_of({"robot_ip": "b", "host": "a"}).host == "a"
     found = settings_of({"robot_ip": "b", "rate": 100, "path_tolerance": 0.3})
     assert (found.host, found.rate, found.rules.path) == ("b", 100.0, 0.3)
     for wrong in ({}, {"host": "a", "rate": "fast"}, {"host": "a", "hurst": 1}):

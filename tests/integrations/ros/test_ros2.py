@@ -218,7 +218,8 @@ def test_a_driver_that_could_not_bring_the_arm_to_rest_does_not_end_well(
 
 
 def test_transitions_and_parameters(domain: Domain, sim: Simulator) -> None:
-    domain.start_node(sim, "autostart:=false", "heartbeat:=10.0", "feedback_rate:=10")
+    given = ("autostart:=false", "heartbeat:=10.0", "feedback_rate:=10")
+    domain.start_node(sim, *given, "robot_ip:=127.0.0.9")  # --host comes before its alias
     assert not domain.last("call", "bring_up")["success"]
     assert domain.last("set", "rate", "1000.0")["done"]
     reply = domain.last("set", "prefix", '"left_"')  # services already have their names

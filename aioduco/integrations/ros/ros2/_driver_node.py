@@ -296,8 +296,6 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
             if isinstance(value, (list, tuple)):
                 value = tuple(each for each in value if each != "")
             found[name] = value
-        if found.get("robot_ip"):
-            found.pop("host", None)
         return found
 
     def _check_parameters(self, parameters: list[Any]) -> Any:
