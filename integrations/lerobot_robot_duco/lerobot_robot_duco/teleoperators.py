@@ -152,7 +152,10 @@ class _DucoDevice(_DucoTeleoperator):
         return robot
 
     def get_action(self) -> dict[str, Any]:
-        """Where the device leads the joints [rad]; where they are, while it is not held."""
+        """Where the device leads the joints [rad], or has led them, while it is not held.
+
+        If something else has moved the arm meanwhile, it is where the joints are.
+        """
         seen, now = self._seen(), time.monotonic()
         period, self._before = min(now - self._before, _LONGEST), now
         reading = self._input.read(now)
