@@ -31,9 +31,11 @@ async def main(host: str, limits: str | None, port: int = 7003) -> None:
         await robot.bring_up()
         async with robot.twin(known, action="pause") as twin:
             telling = asyncio.create_task(tell(robot))
-            for goal in (LEFT, RIGHT) * 2:
-                await robot.motion.movej2(goal, v=0.5, a=1.0)
-            telling.cancel()
+            try:
+                for goal in (LEFT, RIGHT) * 2:
+                    await robot.motion.movej2(goal, v=0.5, a=1.0)
+            finally:
+                telling.cancel()
             print(twin.statistics())
 
 

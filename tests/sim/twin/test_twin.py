@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import asyncio
 import dataclasses
+import gc
 import json
 from collections.abc import AsyncIterator
 from pathlib import Path
@@ -164,6 +166,17 @@ async def test_the_example_runs(
     LIMITS.save(tmp_path / "limits.json")
     await program.main(sim.host, str(tmp_path / "limits.json"), sim.port)
     assert "divergences=0" in capsys.readouterr().out
+
+
+@pytest.mark.slow
+async def test_the_example_ends_with_its_own_error_alone(sim: Simulator) -> None:
+    program, others = example("twin_beside_arm"), list[Any]()
+    vars(program).update(LEFT=Joints(99, 0, 0, 0, 0, 0))
+    asyncio.get_running_loop().set_exception_handler(lambda _, context: others.append(context))
+    with pytest.raises(ParameterError):
+        await program.main(sim.host, None, sim.port)
+    gc.collect()
+    assert not others
 
 
 def test_a_recording_without_samples_is_not_judged(tmp_path: Path) -> None:
