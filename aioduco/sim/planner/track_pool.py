@@ -50,6 +50,7 @@ TrackPoint: TypeAlias = "tuple[tuple[float, ...], Callable[[], None] | None]"
 _ACROSS = 0.5  # share of the acceleration for the bends of the path; the rest is along it
 _SAME = 1e-9  # points nearer than this are the same [m, rad]
 _MARGIN = 0.95  # share of the joints' largest speeds, as the curve differs from the chords
+_METRES = 0.5  # slope of the tool's position above which a length is in metres, not in radians
 _PER_CYCLE = 8  # largest number of points that a cycle reads, so that no cycle takes long
 
 
@@ -129,7 +130,7 @@ class _Node:
         q: joints [rad]. Shape (6,).
         at: distance from the start of the path.
         action: what is done when it is reached.
-        slope: slope of x over the distance; None while the next point is not known.
+        slope: slope of x, then of q, over the distance; None while the next point is not known.
         most: square of the largest speed there, for its bend and its two chords.
         cap: square of the largest speed on the way to it, for the sharpest bend of that way.
         stretch: largest ratio of lengths along the curve and along the chord, on the way to it.
@@ -144,6 +145,11 @@ class _Node:
     most: float = math.inf
     cap: float = math.inf
     stretch: float = 1.0
+
+    @property
+    def both(self) -> Array:
+        """x, then q. Shape (n + 6,)."""
+        return np.concatenate([self.x, self.q])
 
 
 class _Track(TargetFollower):
@@ -161,6 +167,7 @@ class _Track(TargetFollower):
         super().__init__(arm, q, cycle)
         self._pool = pool
         self._v, self._a = speed, acceleration
+        self._drives = np.array(arm.acceleration)
         self._cleared = pool.cleared
         self._rate = 0.0  # speed along the path
         self._at = 0.0  # distance
@@ -184,8 +191,13 @@ class _Track(TargetFollower):
         """Give the joints for an x on the path."""
 
     @abstractmethod
-    def _bend(self, second: Array) -> float:
-        """Give the size of a derivative of x, in the unit of the speed and the acceleration."""
+    def _size(self, derivative: Array, way: Array) -> float:
+        """Give the size of a derivative of x, in the unit of the speed and the acceleration.
+
+        Args:
+            derivative: of x over the distance. Shape (n,).
+            way: x at the end of the way less x at its start, over its length. Shape (n,).
+        """
 
     # -- looking ahead ------------------------------------------------------------------------
 
@@ -215,7 +227,7 @@ class _Track(TargetFollower):
     def _join(self, last: _Node, node: _Node, length: float) -> None:
         """Compute slope and speed at a point, now that the next point is known."""
         first = self._nodes and last is self._nodes[-1]
-        chord = (node.x - last.x) / length
+        chord = (node.both - last.both) / length
         with np.errstate(divide="ignore"):
             joints = _MARGIN * np.array(self._arm.velocity) * length / np.abs(node.q - last.q)
         fastest = float(joints.min()) ** 2
@@ -227,7 +239,7 @@ class _Track(TargetFollower):
             return
         before = self._nodes[-2] if len(self._nodes) > 1 else self._here
         if last.slope is None:
-            last.slope = (node.x - before.x) / (node.at - before.at)
+            last.slope = (node.both - before.both) / (node.at - before.at)
         slope = last.slope  # which does not change once the motion to the point has begun
         self._bends(before, last, before.slope, slope)
         last.most = min(last.most, last.cap)
@@ -242,14 +254,19 @@ class _Track(TargetFollower):
     def _bends(self, a: _Node, b: _Node, m: Array | None, n: Array) -> None:
         """Store the longest slope between two points, and the speed that the bends there allow."""
         length = b.at - a.at
-        rise = (b.x - a.x) / length
+        rise = (b.both - a.both) / length
         m = rise if m is None else m
-        b.stretch = max(1.0, *map(self._bend, (m, n, 1.5 * rise - 0.25 * (m + n))))
-        bend = max(
-            self._bend((6.0 * rise - 4.0 * m - 2.0 * n) / length),
-            self._bend((-6.0 * rise + 2.0 * m + 4.0 * n) / length),
+        x = slice(-6)
+        slopes = m, n, 1.5 * rise - 0.25 * (m + n)
+        b.stretch = max(1.0, *(self._size(each[x], rise[x]) for each in slopes))
+        bends = (
+            (6.0 * rise - 4.0 * m - 2.0 * n) / length,
+            (-6.0 * rise + 2.0 * m + 4.0 * n) / length,
         )
-        b.cap = _ACROSS * self._a / bend if bend > 0.0 else math.inf
+        own = max(self._size(each[x], rise[x]) for each in bends) / self._a
+        joints = max(float((np.abs(each[-6:]) / self._drives).max()) for each in bends)
+        bend = max(own, joints)
+        b.cap = _ACROSS / bend if bend > 0.0 else math.inf
 
     def _limit(self, node: _Node) -> None:
         key = self._key(node)
@@ -353,11 +370,11 @@ class _Track(TargetFollower):
     def _curve(self) -> Array:
         a, b = self._here, self._nodes[0]
         length = b.at - a.at
-        chord = (b.x - a.x) / length
-        m = (a.slope if a.slope is not None else chord) * length
+        chord = (b.both - a.both) / length
+        m = (a.slope if a.slope is not None else chord)[:-6] * length
         if b.slope is None and len(self._nodes) == 1:
             b.slope = chord  # the motion to it has begun: later points cannot bend it
-        n = (b.slope if b.slope is not None else chord) * length
+        n = (b.slope if b.slope is not None else chord)[:-6] * length
         t = (self._at - a.at) / length
         u = 1.0 - t
         x: Array = (
@@ -379,8 +396,8 @@ class JointTrack(_Track):
     def _joints(self, x: Array) -> Array:
         return x
 
-    def _bend(self, second: Array) -> float:
-        return float(np.abs(second).max())
+    def _size(self, derivative: Array, way: Array) -> float:  # noqa: ARG002 - joints only turn
+        return float(np.abs(derivative).max())
 
 
 class ToolTrack(_Track):
@@ -439,8 +456,10 @@ class ToolTrack(_Track):
         except Unreachable as exc:
             raise FollowError(f"the way through the track pool: {exc}") from exc
 
-    def _bend(self, second: Array) -> float:
-        return float(np.linalg.norm(second[:3]))
+    def _size(self, derivative: Array, way: Array) -> float:
+        if np.linalg.norm(way[:3]) > _METRES:
+            return float(np.linalg.norm(derivative[:3]))
+        return float(2.0 * np.linalg.norm(derivative[3:]))  # of a quaternion
 
 
 def _numbers(pose: Array) -> Array:

@@ -187,6 +187,25 @@ def test_a_tool_goes_through_poses() -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("ahead", "v", "a", "most"),
+    [(0.0, 0.5, 2.0, 2.0), (0.001, 0.05, 0.5, max(FIVE.acceleration))],
+    ids=["on the spot", "with little way"],
+)
+def test_a_tool_that_turns_back_is_slowed_down_for_it(
+    ahead: float, v: float, a: float, most: float
+) -> None:
+    start = Pose.from_matrix(FIVE.fkine(HOME))
+    turns = [*np.arange(0.05, 0.5, 0.05), *np.arange(0.4, -0.01, -0.05)]
+    goals = [
+        start.shifted(x=-ahead * count) @ Pose(0, 0, 0, 0, 0, turn)
+        for count, turn in enumerate(turns, 1)
+    ]
+    options: Any = {"tool": np.eye(4), "wobj": np.eye(4)}
+    rows = run(ToolTrack(FIVE, HOME, CYCLE, pool(goals), v, a, **options))
+    assert np.abs(rows[:, 2]).max() < most
+
+
 def test_a_point_out_of_reach_ends_it() -> None:
     follower = ToolTrack(
         FIVE, HOME, CYCLE, pool([[5.0, 0, 0, 0, 0, 0]]), 0.2, 1.0, tool=np.eye(4), wobj=np.eye(4)
