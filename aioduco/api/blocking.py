@@ -100,7 +100,7 @@ class BlockingMotions(Section):
             v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
             a: highest joint acceleration, from 0.01·π/180 [rad/s²].
             r: blend radius into the next motion [m]; 0 to stop at the end.
-            op: outputs set on the way; triggers by distance have no effect here.
+            op: outputs set on the way, by time: a distance is refused, since it has no effect here.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 
         Returns:
@@ -139,7 +139,7 @@ class BlockingMotions(Section):
             q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
-            op: outputs set on the way; triggers by distance have no effect here.
+            op: outputs set on the way, by time: a distance is refused, since it has no effect here.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 
         Returns:
@@ -176,7 +176,7 @@ class BlockingMotions(Section):
             a: highest joint acceleration in percent of what the arm can do, above 0, up to 100.
             r: blend radius into the next motion in percent of the largest one that is set in the
                 controller, from 0 to below 50; 0 to stop at the end.
-            op: outputs set on the way; triggers by distance have no effect here.
+            op: outputs set on the way, by time: a distance is refused, since it has no effect here.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 
         Returns:
@@ -220,7 +220,7 @@ class BlockingMotions(Section):
             q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
-            op: outputs set on the way; triggers by distance have no effect here.
+            op: outputs set on the way, by time: a distance is refused, since it has no effect here.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 
         Returns:
@@ -1016,7 +1016,7 @@ class BlockingMotions(Section):
             scheme_name: name of the scheme.
             epose: target, three values [rad or m, as the scheme is]. Shape (3,).
             v: highest speed of the axes (vel), above 0 [rad/s or m/s].
-            op: outputs set on the way; triggers by distance have no effect here.
+            op: outputs set on the way, by time: a distance is refused, since it has no effect here.
 
         Returns:
             The state of its task at its end.
@@ -1056,7 +1056,7 @@ class BlockingMotions(Section):
             epose: target of the axes, three values [rad or m, as the scheme is]. Shape (3,).
             eaxis_v: highest speed of the axes, above 0 [rad/s or m/s].
             r: blend radius into the next motion [m]; 0 to stop at the end.
-            op: outputs set on the way; triggers by distance have no effect here.
+            op: outputs set on the way, by time: a distance is refused, since it has no effect here.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 
         Returns:
@@ -1106,7 +1106,7 @@ class BlockingMotions(Section):
             q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
-            op: outputs set on the way; triggers by distance have no effect here.
+            op: outputs set on the way, by time: a distance is refused, since it has no effect here.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 
         Returns:

@@ -191,7 +191,7 @@ class ExternalAxes(Section):
             scheme_name: name of the scheme.
             epose: target, three values [rad or m, as the scheme is]. Shape (3,).
             v: highest speed of the axes (vel), above 0 [rad/s or m/s].
-            op: outputs set on the way; triggers by distance have no effect here.
+            op: outputs set on the way, by time: a distance is refused, since it has no effect here.
 
         Returns:
             The motion, not sent yet.
@@ -284,7 +284,7 @@ class ExternalAxes(Section):
             epose: target of the axes, three values [rad or m, as the scheme is]. Shape (3,).
             eaxis_v: highest speed of the axes, above 0 [rad/s or m/s].
             r: blend radius into the next motion [m]; 0 to stop at the end.
-            op: outputs set on the way; triggers by distance have no effect here.
+            op: outputs set on the way, by time: a distance is refused, since it has no effect here.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 
         Returns:
@@ -334,7 +334,7 @@ class ExternalAxes(Section):
             q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
-            op: outputs set on the way; triggers by distance have no effect here.
+            op: outputs set on the way, by time: a distance is refused, since it has no effect here.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 
         Returns:

@@ -196,8 +196,8 @@ class Op:
             target: output or event to set: `output(3)`, `bool_register(12)`, `event("name")`.
             value: the level.
             time: time after the start [s], at least 0; 0 if neither is given.
-            distance: distance along the path after the start [m], at least 0. The controller
-                ignores distances in joint motions.
+            distance: distance along the path after the start [m], at least 0. Joint motions refuse
+                distances, since the controller ignores them there.
 
         Raises:
             ParameterError: a value out of range, or a target that the wire cannot carry.
@@ -220,8 +220,8 @@ class Op:
             target: output or event to set: `output(3)`, `bool_register(12)`, `event("name")`.
             value: the level.
             time: time before the end [s], negative for after the end; 0 if neither is given.
-            distance: distance before the end [m], negative for after the end. The controller
-                ignores distances in joint motions.
+            distance: distance before the end [m], negative for after the end. Joint motions refuse
+                distances, since the controller ignores them there.
 
         Raises:
             ParameterError: a value out of range, or a target that the wire cannot carry.

@@ -432,7 +432,7 @@ class Motion(_Section):
             v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
             a: highest joint acceleration, from 0.01·π/180 [rad/s²].
             r: blend radius into the next motion [m]; 0 to stop at the end.
-            op: outputs set on the way; triggers by distance have no effect here.
+            op: outputs set on the way, by time: a distance is refused, since it has no effect here.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 
         Returns:
@@ -470,7 +470,7 @@ class Motion(_Section):
             q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
-            op: outputs set on the way; triggers by distance have no effect here.
+            op: outputs set on the way, by time: a distance is refused, since it has no effect here.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 
         Returns:
@@ -505,7 +505,7 @@ class Motion(_Section):
             a: highest joint acceleration in percent of what the arm can do, above 0, up to 100.
             r: blend radius into the next motion in percent of the largest one that is set in the
                 controller, from 0 to below 50; 0 to stop at the end.
-            op: outputs set on the way; triggers by distance have no effect here.
+            op: outputs set on the way, by time: a distance is refused, since it has no effect here.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 
         Returns:
@@ -550,7 +550,7 @@ class Motion(_Section):
             q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
-            op: outputs set on the way; triggers by distance have no effect here.
+            op: outputs set on the way, by time: a distance is refused, since it has no effect here.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 
         Returns:
@@ -1490,7 +1490,7 @@ class BlockingMotions(_Section):
             v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
             a: highest joint acceleration, from 0.01·π/180 [rad/s²].
             r: blend radius into the next motion [m]; 0 to stop at the end.
-            op: outputs set on the way; triggers by distance have no effect here.
+            op: outputs set on the way, by time: a distance is refused, since it has no effect here.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 
         Returns:
@@ -1528,7 +1528,7 @@ class BlockingMotions(_Section):
             q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
-            op: outputs set on the way; triggers by distance have no effect here.
+            op: outputs set on the way, by time: a distance is refused, since it has no effect here.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 
         Returns:
@@ -1564,7 +1564,7 @@ class BlockingMotions(_Section):
             a: highest joint acceleration in percent of what the arm can do, above 0, up to 100.
             r: blend radius into the next motion in percent of the largest one that is set in the
                 controller, from 0 to below 50; 0 to stop at the end.
-            op: outputs set on the way; triggers by distance have no effect here.
+            op: outputs set on the way, by time: a distance is refused, since it has no effect here.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 
         Returns:
@@ -1607,7 +1607,7 @@ class BlockingMotions(_Section):
             q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
-            op: outputs set on the way; triggers by distance have no effect here.
+            op: outputs set on the way, by time: a distance is refused, since it has no effect here.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 
         Returns:
@@ -2374,7 +2374,7 @@ class BlockingMotions(_Section):
             scheme_name: name of the scheme.
             epose: target, three values [rad or m, as the scheme is]. Shape (3,).
             v: highest speed of the axes (vel), above 0 [rad/s or m/s].
-            op: outputs set on the way; triggers by distance have no effect here.
+            op: outputs set on the way, by time: a distance is refused, since it has no effect here.
 
         Returns:
             The state of its task at its end.
@@ -2413,7 +2413,7 @@ class BlockingMotions(_Section):
             epose: target of the axes, three values [rad or m, as the scheme is]. Shape (3,).
             eaxis_v: highest speed of the axes, above 0 [rad/s or m/s].
             r: blend radius into the next motion [m]; 0 to stop at the end.
-            op: outputs set on the way; triggers by distance have no effect here.
+            op: outputs set on the way, by time: a distance is refused, since it has no effect here.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 
         Returns:
@@ -2462,7 +2462,7 @@ class BlockingMotions(_Section):
             q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
-            op: outputs set on the way; triggers by distance have no effect here.
+            op: outputs set on the way, by time: a distance is refused, since it has no effect here.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 
         Returns:
@@ -3484,7 +3484,7 @@ class ExternalAxes(_Section):
             scheme_name: name of the scheme.
             epose: target, three values [rad or m, as the scheme is]. Shape (3,).
             v: highest speed of the axes (vel), above 0 [rad/s or m/s].
-            op: outputs set on the way; triggers by distance have no effect here.
+            op: outputs set on the way, by time: a distance is refused, since it has no effect here.
 
         Returns:
             How it ended: finished or blended.
@@ -3567,7 +3567,7 @@ class ExternalAxes(_Section):
             epose: target of the axes, three values [rad or m, as the scheme is]. Shape (3,).
             eaxis_v: highest speed of the axes, above 0 [rad/s or m/s].
             r: blend radius into the next motion [m]; 0 to stop at the end.
-            op: outputs set on the way; triggers by distance have no effect here.
+            op: outputs set on the way, by time: a distance is refused, since it has no effect here.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 
         Returns:
@@ -3617,7 +3617,7 @@ class ExternalAxes(_Section):
             q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
-            op: outputs set on the way; triggers by distance have no effect here.
+            op: outputs set on the way, by time: a distance is refused, since it has no effect here.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 
         Returns:

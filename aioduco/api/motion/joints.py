@@ -39,7 +39,7 @@ class JointMotions(Section):
             v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
             a: highest joint acceleration, from 0.01·π/180 [rad/s²].
             r: blend radius into the next motion [m]; 0 to stop at the end.
-            op: outputs set on the way; triggers by distance have no effect here.
+            op: outputs set on the way, by time: a distance is refused, since it has no effect here.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 
         Returns:
@@ -82,7 +82,7 @@ class JointMotions(Section):
             q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
-            op: outputs set on the way; triggers by distance have no effect here.
+            op: outputs set on the way, by time: a distance is refused, since it has no effect here.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 
         Returns:
@@ -117,7 +117,7 @@ class JointMotions(Section):
             a: highest joint acceleration in percent of what the arm can do, above 0, up to 100.
             r: blend radius into the next motion in percent of the largest one that is set in the
                 controller, from 0 to below 50; 0 to stop at the end.
-            op: outputs set on the way; triggers by distance have no effect here.
+            op: outputs set on the way, by time: a distance is refused, since it has no effect here.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 
         Returns:
@@ -164,7 +164,7 @@ class JointMotions(Section):
             q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
-            op: outputs set on the way; triggers by distance have no effect here.
+            op: outputs set on the way, by time: a distance is refused, since it has no effect here.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 
         Returns:
