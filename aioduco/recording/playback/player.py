@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import anyio
 import numpy as np
 
+from aioduco._process.threads import in_thread
 from aioduco.errors import (
     DucoError,
     FirstPointTooFar,
@@ -158,7 +159,10 @@ async def check_path_on(
         raise ParameterError("arm", told or None, "given: the controller does not tell a known one")
     limits = envelope or robot.envelope
     tool = [0.0] * 6 if limits is None else list(await robot.frames.get_tcp_offset())
-    return found + check_path(path, kind, envelope=limits, tool=tool)
+    # in a thread, as all that looks at each millisecond: the event loop must run meanwhile
+    return found + await in_thread(
+        lambda: check_path(path, kind, envelope=limits, tool=tool), abandon_on_cancel=True
+    )
 
 
 async def reported_arm(robot: Robot) -> tuple[str, Arm | None]:
@@ -209,10 +213,11 @@ async def follow(
             f"the path begins at another place: joint {joint + 1} is {far[joint]:.4f} rad from "
             "there; nothing was sent. Move the arm to path.start, or play with approach"
         )
+    v, a = await in_thread(lambda: (fastest(path), sharpest(path)), abandon_on_cancel=True)
     result: TrajectoryResult = await motion.follow_joint_trajectory(
         path.trajectory,
-        v=min(max(1.05 * fastest(path), 0.05), JOINT_SPEED.high),
-        a=max(_ROOM * sharpest(path), _LEAST),
+        v=min(max(1.05 * v, 0.05), JOINT_SPEED.high),
+        a=max(_ROOM * a, _LEAST),
         tolerances=_TOLERANCES if tolerances is None else tolerances,
         reach=2.0 * _NEAR,
         **options,

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 import gc
 import re
 import signal
 import struct
 import subprocess
+import threading
 import warnings
 from collections import Counter
 from collections.abc import AsyncIterator, Iterator
@@ -103,6 +105,24 @@ def apart(first: tuple[Array, Array], second: tuple[Array, Array]) -> float:
 
     # Their begins are known to some milliseconds only: by when 1 mrad was passed.
     return min(largest(shift) for shift in np.arange(-0.01, 0.01, 0.0005))
+
+
+@for_each("slow", ["check_path", "fastest"])
+async def test_the_event_loop_runs_while_a_path_is_looked_at(
+    slow: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It takes a second for a path of five minutes: the heartbeat was lost, the arm stopped."""
+    path = RecordedPath.of(read(write(tmp_path / "run.mcap")))
+    done, loop, ran = getattr(player, slow), asyncio.get_running_loop(), threading.Event()
+
+    def look(*args: Any, **options: Any) -> Any:
+        loop.call_soon_threadsafe(ran.set)
+        assert ran.wait(10.0)
+        return done(*args, **options)
+
+    monkeypatch.setattr(player, slow, look)
+    async with led(joints=HOME) as (_, robot):
+        await play(robot, path, tolerances=PATIENT)
 
 
 @pytest.mark.slow
