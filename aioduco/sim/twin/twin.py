@@ -10,6 +10,7 @@ Guarantees:
 
 from __future__ import annotations
 
+import asyncio
 import threading
 import time
 from collections import deque
@@ -118,6 +119,7 @@ class Twin(Uncopied):
         self.over: bool = False
         self._samples = self._dropped = self._count = 0
         self._busy = 0.0
+        self._sampled = asyncio.Event()
         self.figures: TwinFigures = TwinFigures()
         self.joints: tuple[float, ...] | None = None
         self.divergences: deque[TwinDiverged] = deque(maxlen=100)
@@ -171,6 +173,15 @@ class Twin(Uncopied):
         ):
             threading.Thread(target=work, name=f"aioduco-twin-{name}", daemon=True).start()
         self._begin()
+        try:
+            # a sample before the first motion: the rehearsal begins where the arm stands
+            async with asyncio.timeout(_ASK):
+                await self._sampled.wait()
+        except TimeoutError:
+            pass  # the controller sends none now
+        except BaseException:
+            await self.stop()
+            raise
         return self
 
     async def stop(self) -> None:
@@ -272,6 +283,7 @@ class Twin(Uncopied):
                         TwinSample.of(sample.states, sample.status, sample.read_forces, led=led)
                     )
                     self._samples += 1
+                    self._sampled.set()
         except RobotStateError:
             return  # the robot was closed
 

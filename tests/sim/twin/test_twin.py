@@ -78,6 +78,13 @@ async def test_a_payload_is_an_event_and_in_the_recording(
     assert written["what"]["cause"] == "payload"
 
 
+async def test_the_path_of_a_motion_right_after_its_start_is_judged(robot: aioduco.Robot) -> None:
+    async with robot.twin(LIMITS) as twin:
+        task = await robot.motion.movej2(THERE, v=0.02, a=1.0).start()
+        await eventually_async(lambda: twin.figures.path is not None, 10.0)
+        assert not task.done
+
+
 @pytest.mark.slow
 async def test_it_stops_the_arm_if_it_was_asked_to(sim: Simulator, robot: aioduco.Robot) -> None:
     async with robot.twin(LIMITS, action="stop"), anyio.create_task_group() as tasks:
