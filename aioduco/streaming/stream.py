@@ -310,12 +310,12 @@ class Stream(Uncopied):
                 another task has sent one meanwhile that is too far from the next.
             StreamError: the stream has ended; the error says why.
         """
-        points = await self._sampled(trajectory, times)
-        if self._sent.meaning != "speed":
-            # The arm stays at the last point for one more tick, so the end does not count as
-            # starved.
-            points.append(points[-1])
         async with self._ended_by_interrupts():
+            points = await self._sampled(trajectory, times)
+            if self._sent.meaning != "speed":
+                # The arm stays at the last point for one more tick, so the end does not count as
+                # starved.
+                points.append(points[-1])
             await self._feed(points, self._feeding.capacity)
             await self._taken()
 

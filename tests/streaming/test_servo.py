@@ -258,6 +258,24 @@ async def test_a_cancelled_play_leaves_a_standing_arm_and_an_ended_stream(
     assert controller.points()[-1] == controller.points()[-2]
 
 
+async def test_a_play_that_is_cancelled_while_it_is_sampled_ends_the_stream(
+    controller: Controller,
+) -> None:
+    async def program() -> None:
+        async with controller.servo.joints(v=1.0, a=5.0, options=THREAD) as stream:
+            playing = asyncio.create_task(stream.play([near(0.0)] * 1000))
+            await asyncio.sleep(0.0)  # it has checked a part of them
+            playing.cancel()
+            with pytest.raises(asyncio.CancelledError):
+                await playing
+            with pytest.raises(StreamClosed):
+                await stream.send(near(0.0))
+
+    with pytest.raises(StreamClosed):
+        await program()
+    assert controller.points() == []
+
+
 @pytest.mark.parametrize("chunks", [False, True])
 async def test_a_cancelled_first_set_point_is_not_followed(
     controller: Controller, chunks: bool

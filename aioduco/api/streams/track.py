@@ -64,8 +64,8 @@ class TrackStream(Stream):
         """
         if times is not None:
             raise ParameterError("times", times, "left out: the controller plans the times")
-        points = await self._sampled(trajectory, None)
         async with self._ended_by_interrupts():
+            points = await self._sampled(trajectory, None)
             await self._feed(points, self._feeding.capacity)
             await self._taken()
             # The first point is taken before it is compared with the arm's position.
