@@ -48,7 +48,7 @@ def sim_do(
     except OSError as error:
         fail(
             f"no simulator takes commands on {_HOST}:{where}: {error.strerror or error}; "
-            "`aioduco sim` names its port for commands when it starts",
+            "`aioduco sim` names its port for commands when it starts, which is --control-port",
         )
     if not said:
         fail(f"what listens on {_HOST}:{where} ended without an answer: look at the simulator")
