@@ -370,11 +370,13 @@ class _Track(TargetFollower):
     def _curve(self) -> Array:
         a, b = self._here, self._nodes[0]
         length = b.at - a.at
-        chord = (b.both - a.both) / length
-        m = (a.slope if a.slope is not None else chord)[:-6] * length
-        if b.slope is None and len(self._nodes) == 1:
-            b.slope = chord  # the motion to it has begun: later points cannot bend it
-        n = (b.slope if b.slope is not None else chord)[:-6] * length
+        start, end = a.slope, b.slope
+        if start is None or end is None:
+            chord = (b.both - a.both) / length
+            if end is None and len(self._nodes) == 1:
+                b.slope = chord  # the motion to it has begun: later points cannot bend it
+            start, end = (chord if slope is None else slope for slope in (start, end))
+        m, n = start[:-6] * length, end[:-6] * length
         t = (self._at - a.at) / length
         u = 1.0 - t
         x: Array = (
