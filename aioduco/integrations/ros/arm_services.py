@@ -110,21 +110,23 @@ class ArmServices:
     async def pause(self) -> ServiceReply:
         """Pause a trajectory goal, or a movej or movel."""
         self._halted()
-        if self._goals.busy:
-            paused = await self._goals.pause()
-            text = "the goal is paused" if paused else "the goal has ended, or goes on again"
-            return ServiceReply(paused, text)
-        return await _answered(self._paused())
+        if not self._goals.following:  # a goal that waits for its stamp leaves the arm to others
+            try:
+                if await self._robot.pause():
+                    return ServiceReply(True, "paused")
+            except DucoError as error:
+                return ServiceReply(False, said(error))
+            if not self._goals.busy:
+                return ServiceReply(True, "the arm stands; there was no motion to pause")
+        paused = await self._goals.pause()
+        text = "the goal is paused" if paused else "the goal has ended, or goes on again"
+        return ServiceReply(paused, text)
 
     async def resume(self) -> ServiceReply:
         """Go on with what was paused."""
         if self._goals.resume():
             return ServiceReply(True, "the goal goes on")
         return await _answered(self._resumed())
-
-    async def _paused(self) -> str:
-        paused = await self._robot.pause()
-        return "paused" if paused else "the arm stands; there was no motion to pause"
 
     async def _resumed(self) -> str:
         if not await self._robot.resume():

@@ -22,6 +22,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, TypeAlias
 
 import anyio
+import anyio.lowlevel
 import numpy as np
 
 from aioduco import RobotState, TrajectorySwitch
@@ -206,6 +207,11 @@ class TrajectoryServer:
         """Whether a goal is running or waiting."""
         return self._queue.running is not None or self._queue.waiting is not None
 
+    @property
+    def following(self) -> bool:
+        """Whether the arm follows a goal, or is paused on its path."""
+        return self._part is not None
+
     def submit(self, handle: GoalHandle) -> None:
         """Take a goal: refuse it at once, or carry it out as soon as the arm is at rest."""
         wall = self._wall()
@@ -250,7 +256,10 @@ class TrajectoryServer:
         Returns:
             Whether a goal is paused; otherwise it has ended, or goes on again.
         """
-        while self._queue.running is not None:
+        while self.busy:
+            if self._queue.running is None:
+                await anyio.lowlevel.checkpoint()  # it begins at once
+                continue
             if not self._paused:
                 self._paused, self._resumed = True, anyio.Event()
                 self._end_part()

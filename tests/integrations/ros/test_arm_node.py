@@ -394,6 +394,23 @@ async def test_a_pause_and_its_end(node: ArmNode, sim: Simulator) -> None:
 
 
 @pytest.mark.slow
+async def test_a_pause_while_a_goal_waits_is_of_the_motion_that_moves_the_arm(
+    node: ArmNode, sim: Simulator
+) -> None:
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(node.services.movej, way(1.0, 0.8), 0.1, 5.0)
+        await eventually_async(lambda: sim.moving)
+        node.goals.submit(waits := Client(goal(stamp=time.time() + 50.0)))
+        assert (await node.services.pause()).success
+        assert not sim.moving
+        assert (await node.services.resume()).success
+        await eventually_async(lambda: sim.moving)
+        assert waits.told == []
+        assert (await node.services.stop()).success
+    await eventually_async(lambda: waits.done)
+
+
+@pytest.mark.slow
 async def test_what_is_published(node: ArmNode, sim: Simulator, sink: Sink) -> None:
     await eventually_async(lambda: sink.forces and "flange_controller" in sink.frames)
     # Samples from before the arm came to START may have been the newest.

@@ -375,6 +375,15 @@ async def test_a_goal_that_waits_for_its_begin_ends_with_its_client() -> None:
         assert (client.told, motion.begun) == (["cancelled"], 0)
 
 
+async def test_a_goal_that_has_just_come_is_paused() -> None:
+    async with held() as (server, motion):
+        motion.rest.set()
+        server.submit(client := Client(goal()))
+        assert await server.pause()
+        await anyio.wait_all_tasks_blocked()
+        assert client.told == ["accepted"]
+
+
 async def test_a_resume_before_the_arm_stands_answers_the_pause() -> None:
     answers: list[bool] = []
     async with held() as (server, motion), anyio.create_task_group() as tasks:

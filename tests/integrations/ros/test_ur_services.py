@@ -81,7 +81,9 @@ ASKED = SimpleNamespace(
 @for_each("name", TABLE)
 async def test_no_service_raises_without_a_connection(name: str) -> None:
     robot: Any = Lost()
-    goals: Any = SimpleNamespace(busy=False, resume=lambda: False, stopped=lambda: None)
+    goals: Any = SimpleNamespace(
+        busy=False, following=False, resume=lambda: False, stopped=lambda: None
+    )
     services = ArmServices(robot, goals, recovered=lambda: None, halted=lambda: None)
     reply = await TABLE[name].call(services, ASKED)
     without = {"dashboard_client/load_program"}
