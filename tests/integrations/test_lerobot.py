@@ -9,6 +9,7 @@ from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pytest
 
 from aioduco.errors import ParameterError
@@ -75,8 +76,9 @@ def test_an_action_in_degrees_is_refused_and_moves_nothing(duco: Any) -> None:
     ):
         with pytest.raises(ParameterError, match=f"{key} is {angle}, .*not degrees.*nothing"):
             duco.send_action({**seen, key: angle})
-    with pytest.raises(ParameterError, match="a number for each"):
-        duco.send_action({**seen, "joint_3.pos": 10**400})
+    for wrong in ({**seen, "joint_3.pos": 10**400}, np.zeros(6)):
+        with pytest.raises(ParameterError, match="a number for each"):
+            duco.send_action(wrong)
     assert duco.statistics() is None  # no stream was opened
 
 

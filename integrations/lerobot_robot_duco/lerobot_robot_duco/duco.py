@@ -193,7 +193,7 @@ class Duco(Robot):
         self._connected()
         try:
             wanted = [float(action[key]) for key in KEYS]
-        except (KeyError, TypeError, ValueError, OverflowError) as exc:
+        except (LookupError, TypeError, ValueError, OverflowError) as exc:
             raise ParameterError(
                 "action", action, f"a number for each of {', '.join(KEYS)}"
             ) from exc
