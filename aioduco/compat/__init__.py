@@ -202,8 +202,8 @@ class DucoCobot(Uncopied, ManualFunctions):
         self._session = object()
         #: whether Ctrl-C ended the last call before its answer came
         self._interrupted = False
-        # Held during a call. It is reentrant: a signal handler in the middle of a call of its own
-        # thread gets it too, and does not wait for itself.
+        # Held during a call. A signal handler in the middle of a call of its own thread, which
+        # holds it, does not wait for itself.
         self._lock = threading.RLock()
         #: the thread that opened it, until use by another one was logged
         self._opener: threading.Thread | None = None
@@ -276,17 +276,22 @@ class DucoCobot(Uncopied, ManualFunctions):
         connection, self._connection, self._session = self._connection, None, object()
         if connection is None:
             return 0
-        if not self._lock.acquire(blocking=False):
-            connection.abandon("close() was called")
-            self._acquire()
+        inside = self._held
         try:
+            if not (inside or self._lock.acquire(blocking=False)):
+                connection.abandon("close() was called")
+                self._acquire()
             if connection.state is ConnectionState.ACTIVE:
                 # in a signal handler in the middle of a call, which closes it when it resumes
                 connection.abandon("close() was called")
             else:
                 connection.close()
         finally:
-            self._lock.release()
+            if not inside:
+                try:  # noqa: SIM105 - an interrupt could come in `suppress`
+                    self._lock.release()
+                except RuntimeError:
+                    pass  # interrupted before it was acquired
         return 0
 
     def get_version(self) -> str:
@@ -333,23 +338,34 @@ class DucoCobot(Uncopied, ManualFunctions):
             if name.startswith(_MOVES) and _last_stops.get(address) is not last_stop:
                 raise TaskStopped(name, None, "was not sent, since the arm was stopped meanwhile")
 
-        self._acquire()
+        inside = self._held
         try:
+            if not inside:
+                self._acquire()
             if self._session is not session:
                 raise ConnectionLost(f"{name} was not sent: the connection was closed")
             return self._exchange(name, args, permit)
         finally:
-            self._lock.release()
+            if not inside:
+                try:  # noqa: SIM105 - an interrupt could come in `suppress`
+                    self._lock.release()
+                except RuntimeError:
+                    pass  # interrupted before it was acquired
 
     def _stop(self, name: str, args: tuple[Any, ...]) -> Any:
         """Stop, on a new connection if the object's own is in use or lost: twice does no harm."""
-        if self._lock.acquire(blocking=False):
-            try:
+        inside = self._held
+        try:
+            if inside or self._lock.acquire(blocking=False):
                 return self._exchange(name, args)
-            except ConnectionLost as exc:
-                _log.warning("%s; stop is sent on a new connection", exc)
-            finally:
-                self._lock.release()
+        except ConnectionLost as exc:
+            _log.warning("%s; stop is sent on a new connection", exc)
+        finally:
+            if not inside:
+                try:  # noqa: SIM105 - an interrupt could come in `suppress`
+                    self._lock.release()
+                except RuntimeError:
+                    pass  # interrupted before it was acquired
         return self._send_aside(name, args)
 
     def _exchange(
@@ -384,6 +400,12 @@ class DucoCobot(Uncopied, ManualFunctions):
         except BaseException:
             self._interrupted = True  # by Ctrl-C: it is not lost
             raise
+
+    @property
+    def _held(self) -> bool:
+        """Whether this thread holds the lock: in a signal handler in the middle of its own call."""
+        held: bool = self._lock._is_owned()  # type: ignore[attr-defined]  # as Condition does
+        return held
 
     def _acquire(self) -> None:
         """Wait until the call of another thread has ended; signal handlers can run in between."""

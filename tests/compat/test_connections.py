@@ -247,6 +247,38 @@ def test_after_an_interrupted_call_the_next_ones_are_sent(
         assert robot.robotmoving() is True
 
 
+@pytest.mark.parametrize("call", ["robotmoving", "stop"])
+def test_an_interrupt_at_its_begin_leaves_no_call_of_another_thread_waiting(
+    server: RecordingServer, robot: DucoCobot, call: str
+) -> None:
+    lock = robot._lock
+
+    class Interrupted:
+        """The interrupt comes when the lock is held already."""
+
+        def acquire(self, *args: Any, **given: Any) -> bool:
+            assert lock.acquire(*args, **given)
+            robot._lock = lock
+            raise KeyboardInterrupt
+
+        def __getattr__(self, name: str) -> Any:
+            return getattr(lock, name)
+
+    robot._lock = Interrupted()  # type: ignore[assignment]  # for one call
+    with pytest.raises(KeyboardInterrupt):
+        getattr(robot, call)(*[True] * (call == "stop"))
+
+    def free() -> bool:
+        taken = lock.acquire(blocking=False)
+        if taken:
+            lock.release()
+        return taken
+
+    other, found = in_thread(free)
+    other.join()
+    assert found == [True]
+
+
 def test_a_stop_is_sent_although_the_connection_is_lost(server: RecordingServer) -> None:
     server.answer("stop", 4)
     server.answer("robotmoving", True)
