@@ -40,6 +40,9 @@ class Teaching(Section):
         set, it sinks or rises by itself. Cancelling its await, or an error inside its block,
         stops the arm and ends hand guiding; so does leaving the robot's block.
 
+        A stop by another program, a collision or an emergency stop may end hand guiding, too. The
+        controller's task does not tell it, so that this ends without an error: see `Robot.events`.
+
         Args:
             time: seconds after which this program ends hand guiding, from 0.001. None: it lasts
                 until a command ends it; used without a block, it returns when it has begun.
