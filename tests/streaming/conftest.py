@@ -18,11 +18,18 @@ import pytest
 from aioduco.api.streams.servo import Servo
 from aioduco.sim import Simulator
 from aioduco.streaming.endpoint import StreamEndpoint
+from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.streaming.stream import Stream
 from aioduco.supervision.gate import Gate
 from aioduco.testing import RecordingServer, eventually
 
 HERE = [0.0, -0.1, 0.2, 0.3, 0.4, 0.5]
+WORKERS = [WorkerOptions(run_in="thread"), WorkerOptions(run_in="process")]
+THREAD = WorkerOptions(run_in="thread")
+#: the state of the arm is not asked for meanwhile
+UNWATCHED = WorkerOptions(run_in="thread", watch=0.0)
+
+workers = pytest.mark.parametrize("options", WORKERS, ids=["thread", "process"])
 
 
 def near(offset: float) -> list[float]:

@@ -14,11 +14,11 @@ from aioduco.errors import ParameterError, StaleState, StreamRefused
 from aioduco.models.load import Load
 from aioduco.models.pose import Joints, Pose
 from aioduco.sim import Simulator
-from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.streaming.shared.turning import composed, in_tool, turned
 from aioduco.testing import eventually_async
 
-THREAD = WorkerOptions(run_in="thread")
+from .conftest import THREAD
+
 #: the flange looks down, tilted and turned, so that none of its axes is one of the base's
 TILTED = Joints.deg(20, -15, 105, -15, -70, 30)
 #: turned about z and tilted; the work object in use

@@ -22,14 +22,13 @@ from aioduco._wire.own_connection import OwnConnection
 from aioduco.api.streams.servo import Servo
 from aioduco.api.streams.speed import Speed
 from aioduco.errors import ParameterError, StreamStarved
-from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.streaming.shared.space import JOINT_SPACE, POSE_SPACE, Config, Limits, Space
 from aioduco.streaming.worker.limiter import JerkLimiter, Limiter, SpeedGenerator
 from aioduco.streaming.worker.rest import bring_to_rest
 from aioduco.supervision.unanswered import UnansweredMotion
 from aioduco.testing import Delay, FaultProxy, eventually_async
 
-from .conftest import HERE, Controller, fed
+from .conftest import HERE, THREAD, Controller, fed
 from .motion import peaks
 
 AMOUNT = st.floats(0.1, 5.0)
@@ -174,9 +173,6 @@ def test_braking_in_fewer_steps_is_no_longer_way(kind: Any) -> None:
         assert limiter.brake(passed) == config
     assert numbers[1] <= numbers[0] / 5 + 2
     assert 0.0 <= ways[1] <= ways[0]
-
-
-THREAD = WorkerOptions(run_in="thread")
 
 
 @pytest.mark.slow

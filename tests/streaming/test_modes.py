@@ -23,9 +23,7 @@ from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.streaming.stream import Stream
 from aioduco.testing import Cut, FaultProxy, Place, eventually_async
 
-from .conftest import Cycles, answer_all
-
-THREAD = WorkerOptions(run_in="thread")
+from .conftest import THREAD, Cycles, answer_all
 
 
 class Queue(Bench):
