@@ -763,6 +763,8 @@ class Robot(Uncopied, ManualNames, MisspeltRefused):
     async def pause(self) -> bool:
         """Pause all tasks (暂停所有任务), and wait until the arm stands.
 
+        An open stream ends, and the arm is stopped: nothing that it has sent goes on later.
+
         Returns:
             Whether anything is paused, as far as the controller says it. If not, the next motion
             of any program is carried out at once.

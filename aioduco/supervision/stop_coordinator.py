@@ -567,7 +567,7 @@ class StopCoordinator:
             await self.halt()
 
     async def pause(self) -> bool:
-        """Pause all tasks, and wait until the arm stands.
+        """Pause all tasks, and wait until the arm stands; beside an open stream, stop it instead.
 
         Returns:
             Whether anything is paused, as far as that is known.
@@ -575,11 +575,11 @@ class StopCoordinator:
         with self.gate.stop(PermitEnding.PAUSED):
             # Of these, the controller may serve any after the pause. What blocks has no deadline.
             overtaken = [call for call in self.pending if call.deadline is not None]
-            if halt_streams(self.streams):
-                # It follows a clock, and cannot go on later. But what it has sent does, if resumed.
-                await self._silence_streams()
-                self.unfollowed_motion = True
-            # So does what looks as if it were over: its task has ended, or it has none.
+            if self.streams:
+                # A stream follows a clock, and cannot go on later; nor may what it has sent.
+                await self.send_stop(self._settings.stop_timeout)
+                self.unfollowed_motion |= self.worker_died
+            # What looks as if it were over goes on, too: its task has ended, or it has none.
             ended = any(task.life.continues_after_task for task in self.follower.tasks)
             self.unfollowed_motion |= self.gate.resumed or ended
             await self._controlled("pause")

@@ -12,7 +12,7 @@ from functools import partial
 import anyio
 import numpy as np
 import pytest
-from moments import RUNS_AGAIN, streamed_in_time
+from moments import streamed_in_time
 from patient import patient_queue
 
 import aioduco
@@ -258,19 +258,16 @@ async def test_leaving_the_robot_ends_it(sim: Simulator) -> None:
     assert not sim.view.moving
 
 
-@pytest.mark.slow
-async def test_what_it_had_sent_is_not_left_paused(sim: Simulator, totals: Counter[str]) -> None:
-    """Whoever resumes would move the arm on, long after the program has ended."""
-    for _ in range(1 + RUNS_AGAIN):
-        async with aioduco.connect(sim.host, sim.port) as robot:
-            await ready(robot)
-            await ended_by(robot, sim, "track joints", robot.pause, THREAD)
-            paused = sim.view.program
-        if paused is ProgramState.PAUSED:
-            break
-        # a busy machine may have no set-point left to pause at that moment
-        totals["streams starved and run again"] += 1
-    assert (paused, sim.view.program) == (ProgramState.PAUSED, ProgramState.STOPPED)
+@pytest.mark.cases(1)
+@pytest.mark.parametrize("kind", ["servoj", "speedj", "track joints"])
+async def test_nothing_that_it_had_sent_goes_on_after_a_pause(
+    robot: aioduco.Robot, sim: Simulator, kind: str
+) -> None:
+    await ended_by(robot, sim, kind, robot.pause)
+    assert not sim.view.moving
+    assert not sim.tasks
+    assert sim.view.program is ProgramState.STOPPED
+    assert await robot.resume() is False
 
 
 @pytest.mark.slow
