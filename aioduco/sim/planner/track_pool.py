@@ -257,7 +257,13 @@ class _Track(TargetFollower):
         rise = (b.both - a.both) / length
         m = rise if m is None else m
         x = slice(-6)
-        slopes = m, n, 1.5 * rise - 0.25 * (m + n)
+        slopes = (
+            m,
+            1.125 * rise + 0.1875 * m - 0.3125 * n,
+            1.5 * rise - 0.25 * (m + n),
+            1.125 * rise - 0.3125 * m + 0.1875 * n,
+            n,
+        )
         b.stretch = max(1.0, *(self._size(each[x], rise[x]) for each in slopes))
         bends = (
             (6.0 * rise - 4.0 * m - 2.0 * n) / length,

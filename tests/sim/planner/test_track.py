@@ -83,6 +83,12 @@ def test_a_way_back_is_slowed_down_for_its_corner(places: list[float]) -> None:
     assert np.abs(rows[:, 2]).max() < 5.0
 
 
+def test_behind_a_way_back_it_is_no_faster_than_asked_for() -> None:
+    points = [at([place, 0, 0, 0, 0, 0]) for place in (0.05, 0.1, 0.05, 0.0, -0.05)]
+    rows = run(joints(pool(points), v=0.1, a=20.0))
+    assert np.abs(rows[:, 1]).max() == pytest.approx(0.1, rel=0.02)
+
+
 def test_a_thousand_dense_points_are_as_fast_as_one_line() -> None:
     dense = [at([0.001 * i, 0, 0, 0, 0, 0]) for i in range(1, CAPACITY + 1)]
     filled = pool(dense)
