@@ -10,12 +10,13 @@ Guarantees:
 
 from __future__ import annotations
 
-import asyncio
 import threading
 import time
 from collections import deque
 from queue import SimpleQueue
 from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple, Self, TypeAlias, get_args
+
+import anyio
 
 from aioduco._process.copying import Uncopied
 from aioduco._process.linked_process import LinkedProcess
@@ -119,7 +120,7 @@ class Twin(Uncopied):
         self.over: bool = False
         self._samples = self._dropped = self._count = 0
         self._busy = 0.0
-        self._sampled = asyncio.Event()
+        self._sampled = anyio.Event()
         self.figures: TwinFigures = TwinFigures()
         self.joints: tuple[float, ...] | None = None
         self.divergences: deque[TwinDiverged] = deque(maxlen=100)
@@ -174,11 +175,10 @@ class Twin(Uncopied):
             threading.Thread(target=work, name=f"aioduco-twin-{name}", daemon=True).start()
         self._begin()
         try:
-            # a sample before the first motion: the rehearsal begins where the arm stands
-            async with asyncio.timeout(_ASK):
+            # A sample before the first motion, if one comes: the rehearsal begins where the arm
+            # stands.
+            with anyio.move_on_after(_ASK):
                 await self._sampled.wait()
-        except TimeoutError:
-            pass  # the controller sends none now
         except BaseException:
             await self.stop()
             raise
