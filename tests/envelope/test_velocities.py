@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import pairwise, product
 from typing import Any
 
@@ -22,6 +23,8 @@ from aioduco.sim.planner.velocity_follower import JointVelocity, ToolVelocity
 from .trials import ARM, START, TOOL, least, places, random_zones
 
 WOBJ = Pose(0.1, 0.2, 0.3, 0.4, -0.5, 0.6)
+#: reaches its velocity at once
+SUDDEN = replace(ARM, acceleration=(1e9,) * 6)
 Q = tuple((START + 0.1).tolist())
 CYCLE = 1e-3
 SECONDS = 0.3
@@ -64,7 +67,7 @@ def test_the_tool_goes_where_the_path_leads(
     )  # it ends where the reaction does
     way = way_of(motion)
     assert way is not None
-    follower = ToolVelocity(ARM, np.array(Q), CYCLE, TOOL.matrix, frame)
+    follower = ToolVelocity(SUDDEN, np.array(Q), CYCLE, TOOL.matrix, frame)
     follower.aim(np.array(twist), 1e9)
     for number in range(1, round(SECONDS / CYCLE) + 1):
         q = follower.tick(np.array(Q), np.zeros(6)).q
@@ -86,7 +89,7 @@ def test_the_joints_go_where_the_path_leads(kind: str) -> None:
         motion = Ahead("speedj", (speeds, 1.0, -1, False), 0)
     way = way_of(motion)
     assert way is not None
-    follower = JointVelocity(ARM, np.array(Q), CYCLE)
+    follower = JointVelocity(SUDDEN, np.array(Q), CYCLE)
     follower.aim(np.array(speeds), 1e9)
     for _ in range(round(SECONDS / CYCLE)):
         q = follower.tick(np.array(Q), np.zeros(6)).q
