@@ -404,8 +404,11 @@ class DucoCobot(Uncopied, ManualFunctions):
     @property
     def _held(self) -> bool:
         """Whether this thread holds the lock: in a signal handler in the middle of its own call."""
-        held: bool = self._lock._is_owned()  # type: ignore[attr-defined]  # as Condition does
-        return held
+        try:
+            threading.Condition(self._lock).notify(0)  # wakes nobody; refused without the lock
+        except RuntimeError:
+            return False
+        return True
 
     def _acquire(self) -> None:
         """Wait until the call of another thread has ended; signal handlers can run in between."""
