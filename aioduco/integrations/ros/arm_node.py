@@ -204,7 +204,11 @@ class ArmNode:
             stop_at_loss=bool(settings.guard),
         )
         self.services: ArmServices = ArmServices(
-            robot, self.goals, recovered=self._allow, halted=self._ignore
+            robot,
+            self.goals,
+            recovered=self._allow,
+            halted=self._ignore,
+            twisting=lambda: self.twists.following,
         )
         self.commands: JointCommands = JointCommands(
             robot,

@@ -43,6 +43,7 @@ class ArmServices:
         goals: trajectory goals of the arm.
         recovered: called when the arm was brought up or recovered, and not stopped meanwhile.
         halted: called before the arm is stopped or paused.
+        twisting: returns whether speeds of the tool are followed, along axes of the tool in use.
     """
 
     def __init__(
@@ -52,11 +53,13 @@ class ArmServices:
         *,
         recovered: Callable[[], None],
         halted: Callable[[], None],
+        twisting: Callable[[], bool],
     ) -> None:
         self._robot = robot
         self._goals = goals
         self._recovered = recovered
         self._tell_halted = halted
+        self._twisting = twisting
         self._halts = 0  # stops and pauses so far
         self._program = ""  # the program that `play` runs
         self._force_mode = False
@@ -314,7 +317,7 @@ class ArmServices:
     async def set_tool(
         self, name: str, offset: Sequence[float], mass: float, centre: Sequence[float]
     ) -> ServiceReply:
-        """Define a tool and use it.
+        """Define a tool and use it. No goal or twist must be followed.
 
         Args:
             name: name of the tool.
@@ -327,7 +330,7 @@ class ArmServices:
             tip = Pose.of(list(offset))
             await self._robot.frames.set_tool_data(name, tip, (mass, *centre))
 
-        return await self._unless_busy(run, "set")
+        return _TWISTS if self._twisting() else await self._unless_busy(run, "set")
 
     async def set_load(self, mass: float, centre: Sequence[float]) -> ServiceReply:
         """Set the load that the tool holds.
@@ -376,6 +379,7 @@ class ArmServices:
 
 
 _BUSY = ServiceReply(False, "a trajectory goal is carried out; nothing was sent: cancel it first")
+_TWISTS = ServiceReply(False, "twists are followed along the tool's axes; nothing was sent")
 
 
 async def _answered(step: Awaitable[object], text: str = "") -> ServiceReply:

@@ -84,7 +84,9 @@ async def test_no_service_raises_without_a_connection(name: str) -> None:
     goals: Any = SimpleNamespace(
         busy=False, following=False, resume=lambda: False, stopped=lambda: None
     )
-    services = ArmServices(robot, goals, recovered=lambda: None, halted=lambda: None)
+    services = ArmServices(
+        robot, goals, recovered=lambda: None, halted=lambda: None, twisting=lambda: False
+    )
     reply = await TABLE[name].call(services, ASKED)
     without = {"dashboard_client/load_program"}
     assert reply.success == (name in without), reply.message
@@ -263,6 +265,8 @@ async def test_the_axes_of_tool0_are_those_of_the_flange_however_the_tool_is_tur
             await eventually_async(lambda: np.linalg.norm(moved()) > 0.01)
             way = moved()
             np.testing.assert_allclose(way / np.linalg.norm(way), before[:3, 2], atol=0.1)
+            # another tool would turn the axes under way
+            assert not (await node.services.set_tool("", (0.0,) * 6, 0.0, (0.0,) * 3)).success
 
 
 @pytest.mark.slow
