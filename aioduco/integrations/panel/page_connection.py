@@ -78,6 +78,11 @@ class Waiting:
         """It has sent its request, or is gone."""
         self._connections.pop(connection, None)
 
+    def cut_off(self) -> None:
+        """End all of them: the server ends, which would wait for their requests."""
+        for connection in self._connections:
+            connection.transport.abort()
+
 
 class PlainRequest:
     """The head of a request that opens no WebSocket.

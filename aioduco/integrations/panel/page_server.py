@@ -129,8 +129,9 @@ class PageServer:
         Raises:
             OSError: the port is taken, or the address is not one of this computer.
         """
+        waiting = Waiting()
         connection: Any = functools.partial(
-            PageConnection, waiting=Waiting(), stop=self._stop, refusal=self._refusal
+            PageConnection, waiting=waiting, stop=self._stop, refusal=self._refusal
         )
         # Messages go many times a second in both directions, so that no pings are needed.
         # Compression would cost more than it saves.
@@ -141,7 +142,10 @@ class PageServer:
         ) as server:  # fmt: skip
             address: tuple[str, int] = next(iter(server.sockets)).getsockname()[:2]
             self.port = address[1]
-            yield
+            try:
+                yield
+            finally:
+                waiting.cut_off()
 
     def broadcast(self, message: dict[str, Any]) -> None:
         """Send a message to every page, except pages whose send buffer is full."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import http.client
 import importlib.util
 import json
@@ -16,6 +17,7 @@ import anyio.to_thread
 import pytest
 from client.bench import Bench
 from websockets.asyncio.client import connect
+from websockets.asyncio.server import serve
 from websockets.exceptions import ConnectionClosed
 from websockets.typing import Subprotocol
 
@@ -27,7 +29,7 @@ if importlib.util.find_spec("viser") is None:  # which takes long to load
 
 import viser
 
-from aioduco.integrations.panel import Panel
+from aioduco.integrations.panel import Panel, page_server
 from integrations.panel.test_panel import PATIENT, Page, page_of
 
 
@@ -193,3 +195,18 @@ async def test_the_picture_is_behind_the_pages_port_and_viser_has_none(bench: Be
             assert len(await picture.recv()) > 100
             await picture.send(b"\x81" * 4000)  # nothing that a page sends reaches viser
             assert len(await picture.recv()) > 100
+
+
+async def test_a_panel_ends_without_the_requests_that_browsers_keep_back(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They open connections that they do not use; the end waited ten seconds for each."""
+    patient = functools.partial(serve, open_timeout=None)
+    monkeypatch.setattr(page_server, "serve", patient)
+    async with Panel(bench.host, bench.port, **PATIENT) as panel:
+        port = panel._server.port
+        unused = await anyio.connect_tcp("127.0.0.1", port)
+        async with await anyio.connect_tcp("127.0.0.1", port) as asked:  # the other one is taken
+            await asked.send(b"HEAD / HTTP/1.1\r\n\r\n")
+            await asked.receive()
+    await unused.aclose()
