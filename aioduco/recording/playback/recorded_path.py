@@ -237,14 +237,16 @@ class RecordedPath:
 
 
 def _moving_part(run: RecordedRun, received: Array, positions: Array) -> slice:
-    """The samples from just before the arm moves until just after."""
-    moved = np.flatnonzero(np.abs(np.diff(positions, axis=0)).max(axis=1) > SAME)
-    if not len(moved):
+    """The samples from just before the arm leaves its first place until just after its last."""
+    left, before = (
+        np.flatnonzero(np.abs(positions - place).max(axis=1) > SAME) for place in positions[[0, -1]]
+    )
+    if not (len(left) and len(before)):
         raise RecordingError(
             f"{run.path}: the arm did not move from {received[0]:.2f} to {received[-1]:.2f} s"
         )
-    first = int(np.searchsorted(received, received[moved[0]] - _REST))
-    last = int(np.searchsorted(received, received[moved[-1] + 1] + _REST, "right"))
+    first = int(np.searchsorted(received, received[left[0] - 1] - _REST))
+    last = int(np.searchsorted(received, received[before[-1] + 1] + _REST, "right"))
     return slice(first, last)
 
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
-#: joint speed [rad/s], and distance between two samples [rad], up to which the arm stands
+#: joint speed [rad/s], and distance of two places [rad], up to which the arm stands
 STILL, SAME = 2e-3, 3e-5
 #: largest share of a way that the speeds at its ends leave unexplained, in nine steps of ten
 _UNEXPLAINED = 0.1
@@ -85,7 +85,7 @@ def is_fresh(positions: Array, velocities: Array) -> NDArray[np.bool_]:
     A busy controller answers twice from the same cycle. A moving arm cannot be in the same place
     twice.
     """
-    same = np.abs(np.diff(positions, axis=0)).max(axis=1) <= SAME
+    same = ~np.diff(positions, axis=0).any(axis=1)
     same &= np.abs(velocities[1:]).max(axis=1) > 10 * STILL
     return np.concatenate([[True], ~same])
 
@@ -107,7 +107,7 @@ def steady_times(
     """
     ways, mean = np.diff(positions, axis=0), (velocities[1:] + velocities[:-1]) / 2
     square = (mean * mean).sum(axis=1)
-    moving = (square > (10 * STILL) ** 2) & (np.abs(ways).max(axis=1) > SAME)
+    moving = square > (10 * STILL) ** 2
     # the time by which the arm gets from one sample to the next with the least jerk
     steps = (ways * mean).sum(axis=1) / np.where(moving, square, 1.0)
     moving &= steps > 0.0

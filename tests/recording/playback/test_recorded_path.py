@@ -60,6 +60,24 @@ def test_a_short_part_of_a_motion_begins_and_ends_at_rest(tmp_path: Path, second
     assert kinds(path) == (["acceleration"] if seconds < 0.1 else [])
 
 
+@for_each("rate, speed", [(125.0, 0.002), (1000.0, 0.021), (1000.0, 0.029)])
+def test_slow_motions_are_whole_at_each_rate_of_samples(
+    tmp_path: Path, rate: float, speed: float
+) -> None:
+    """Less than 30 µrad a sample was no motion: a creeping end, or all of it, was left out."""
+
+    def creep(times: Array) -> Array:
+        way = speed * np.clip(times - 2.0, 0.0, 3.0)
+        return np.asarray(nod(times, 0.5, 1.0) + way[:, None] * np.eye(6)[0])
+
+    taken = np.arange(0.0, 5.5, 1 / rate)
+    path = RecordedPath.of(read(write(tmp_path / "run.mcap", creep, taken=taken)))
+    assert path.begin + path.duration == pytest.approx(5.05, abs=0.1)
+    assert path.positions[-1] == pytest.approx(creep(taken[-1:])[0], abs=1e-4)
+    assert np.abs(path.at(path.times) - creep(path.recorded)).max() < 2e-3
+    assert path.gaps == ()
+
+
 @pytest.mark.slow
 def test_samples_that_were_received_late_make_no_shaking_path(tmp_path: Path) -> None:
     chance = np.random.default_rng(5)
