@@ -213,9 +213,11 @@ async def follow(
             f"the path begins at another place: joint {joint + 1} is {far[joint]:.4f} rad from "
             "there; nothing was sent. Move the arm to path.start, or play with approach"
         )
-    v, a = await in_thread(lambda: (fastest(path), sharpest(path)), abandon_on_cancel=True)
+    trajectory, v, a = await in_thread(
+        lambda: (path.trajectory, fastest(path), sharpest(path)), abandon_on_cancel=True
+    )
     result: TrajectoryResult = await motion.follow_joint_trajectory(
-        path.trajectory,
+        trajectory,
         v=min(max(1.05 * v, 0.05), JOINT_SPEED.high),
         a=max(_ROOM * a, _LEAST),
         tolerances=_TOLERANCES if tolerances is None else tolerances,

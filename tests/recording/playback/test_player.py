@@ -43,6 +43,7 @@ from aioduco.recording.playback import (
     play,
     player,
     read_envelope,
+    recorded_path,
     run_waypoints,
 )
 from aioduco.recording.playback.sample_times import RecordedGap, gaps_in_words
@@ -107,20 +108,24 @@ def apart(first: tuple[Array, Array], second: tuple[Array, Array]) -> float:
     return min(largest(shift) for shift in np.arange(-0.01, 0.01, 0.0005))
 
 
-@for_each("slow", ["check_path", "fastest"])
+@for_each(
+    "module, slow",
+    [(player, "check_path"), (player, "fastest"), (recorded_path, "JointTrajectory")],
+)
 async def test_the_event_loop_runs_while_a_path_is_looked_at(
-    slow: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    module: Any, slow: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """It takes a second for a path of five minutes: the heartbeat was lost, the arm stopped."""
     path = RecordedPath.of(read(write(tmp_path / "run.mcap")))
-    done, loop, ran = getattr(player, slow), asyncio.get_running_loop(), threading.Event()
+    done, loop = getattr(module, slow), asyncio.get_running_loop()
 
     def look(*args: Any, **options: Any) -> Any:
+        ran = threading.Event()
         loop.call_soon_threadsafe(ran.set)
         assert ran.wait(10.0)
         return done(*args, **options)
 
-    monkeypatch.setattr(player, slow, look)
+    monkeypatch.setattr(module, slow, look)
     async with led(joints=HOME) as (_, robot):
         await play(robot, path, tolerances=PATIENT)
 
