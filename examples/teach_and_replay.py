@@ -64,6 +64,11 @@ async def teach(robot: aioduco.Robot, folder: Path, hand: Hand) -> tuple[Path, W
     return recording.path, kept
 
 
+def way(recording: Path) -> RecordedPath:
+    """The recorded way, at half the speed."""
+    return RecordedPath.of(read(recording), of="states", speed=0.5)
+
+
 async def main(host: str, port: int, folder: Path, sim: Simulator | None = None) -> None:
     hand = person if sim is None else partial(simulated_hand, sim)
     clock = None if sim is None else sim.clock
@@ -72,7 +77,8 @@ async def main(host: str, port: int, folder: Path, sim: Simulator | None = None)
         recording, kept = await teach(robot, folder, hand)
 
         try:
-            path = RecordedPath.of(read(recording), of="states", speed=0.5)
+            # in a thread: for ten minutes of a hand it takes seconds, in which the loop must run
+            path = await anyio.to_thread.run_sync(way, recording)
             result = await play(robot, path, approach=0.3)
         except (aioduco.RecordingError, aioduco.PathRefused) as unfit:
             # It has gaps, or leaps, of a computer that was too busy meanwhile; nothing was sent.

@@ -49,6 +49,8 @@ class RecordedMessage(NamedTuple):
 def read(path: str | os.PathLike[str]) -> RecordedRun:
     """Read a recording, as far as it is complete.
 
+    A long one takes seconds, and so do its arrays: in an event loop, call them on a thread.
+
         run = aioduco.recording.read("run.mcap")
         joints = run.arrays("/joint_states")
         plt.plot(joints["time"], joints["position"])

@@ -111,6 +111,9 @@ class RecordedPath:
         Pauses on the way are kept. If `begin` or `end` lies within a motion, the path accelerates
         or stops within 0.4 s, or its whole time if that is less, on the recorded way.
 
+        This takes seconds for ten minutes of recording: in an event loop, call it on a thread,
+        or the heartbeat is lost: `await anyio.to_thread.run_sync(RecordedPath.of, run)`.
+
         Args:
             run: the recording.
             begin: time in the recording to begin at [s]; None for its beginning.
