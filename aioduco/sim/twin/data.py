@@ -75,7 +75,8 @@ class TwinSample(NamedTuple):
         force: force and torque at the tool, along the base's axes [N, N m]; None without a sensor.
         robot, program, safety: states of the controller, as numbers.
         collision: joint that detected a collision, 1 to 6, or 0.
-        led: whether a stream or a mode leads the arm, so that its commands are not known.
+        led: whether a stream, a mode or a blocking call leads the arm, so that its commands are not
+            known.
     """
 
     time: float

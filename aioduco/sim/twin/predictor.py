@@ -147,7 +147,8 @@ class Predictor:
         rehearsal = self.rehearsal
         enabled = sample.robot == RobotState.ENABLE
         if sample.led or not enabled:
-            rehearsal.hide("a stream or a mode leads the arm" if sample.led else "not enabled")
+            leads = "a stream, a mode or a blocking call leads the arm"
+            rehearsal.hide(leads if sample.led else "not enabled")
         if not rehearsal.blind:
             rehearsal.advance(sample.time)
             return

@@ -121,8 +121,10 @@ def _commands(run: RecordedRun) -> Iterator[TwinCommand]:
             Op(**each) if isinstance(each, dict) and each.keys() <= _OPS else each
             for each in data["arguments"]
         )
-        middle = message.time + 0.5 * float(data["duration"])
-        yield TwinCommand(middle, data["function"], arguments, not data["error"])
+        # a blocking call lasts as long as its motion
+        lasts = 0.0 if data["lane"] == "blocking" else float(data["duration"])
+        at = message.time + 0.5 * lasts
+        yield TwinCommand(at, data["function"], arguments, not data["error"])
 
 
 def _samples(run: RecordedRun) -> Iterator[TwinSample]:

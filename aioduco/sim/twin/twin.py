@@ -34,6 +34,7 @@ from aioduco.models.words import one_of
 from aioduco.sim.twin.data import Divergence, TwinCommand, TwinSample
 from aioduco.sim.twin.limits import TwinLimits
 from aioduco.sim.twin.monitor import TwinFigures
+from aioduco.sim.twin.rehearsal import PATHS
 from aioduco.sim.twin.worker import Begin, TwinUpdate
 from aioduco.supervision.concurrency import BackgroundTasks, DaemonThread, run_to_completion
 from aioduco.supervision.events import TwinDiverged
@@ -278,7 +279,9 @@ class Twin(Uncopied):
         try:
             with self._supervisor.feed.subscribe(size=256) as samples:
                 async for sample in samples:
-                    led = bool(coordinator.streams) or coordinator.modes.any
+                    # a call without a deadline is known when its motion has ended
+                    blocks = any(call.deadline is None for call in coordinator.pending)
+                    led = bool(coordinator.streams) or coordinator.modes.any or blocks
                     self._put(
                         TwinSample.of(sample.states, sample.status, sample.read_forces, led=led)
                     )
@@ -290,7 +293,9 @@ class Twin(Uncopied):
     def _called(self, event: TraceEvent) -> None:
         """Queue a finished call; on the call's thread."""
         assert isinstance(event, CallFinished)
-        if event.function.startswith(_READS):
+        if event.function.startswith(_READS) or (
+            event.lane == "blocking" and event.function in PATHS
+        ):
             return
         accepted = event.error is None
         self._put(

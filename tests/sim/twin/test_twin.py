@@ -86,6 +86,17 @@ async def test_the_path_of_a_motion_right_after_its_start_is_judged(robot: aiodu
 
 
 @pytest.mark.slow
+async def test_a_blocking_motion_is_this_programs(robot: aioduco.Robot, tmp_path: Path) -> None:
+    """Its call ends with it: it was another program's until then, for which the arm was stopped."""
+    async with robot.record(tmp_path / "run.mcap"), robot.twin() as twin:
+        await robot.blocking.movej2(THERE, v=1.0, a=2.0)
+        await eventually_async(lambda: THERE.almost_equal(Joints.of(twin.joints or READY), 0.01))
+    assert [each for each in twin.divergences if each.quantity == "path"] == []
+    judged = judge(tmp_path / "run.mcap")
+    assert [each for each in judged if each.quantity is Quantity.PATH] == []
+
+
+@pytest.mark.slow
 async def test_it_stops_the_arm_if_it_was_asked_to(sim: Simulator, robot: aioduco.Robot) -> None:
     async with robot.twin(LIMITS, action="stop"), anyio.create_task_group() as tasks:
         tasks.start_soon(push_when_it_moves, sim, robot)
