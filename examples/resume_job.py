@@ -14,12 +14,9 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from functools import partial
 from pathlib import Path
 
-import anyio
-
-import aioduco
+import aioduco.sync
 from aioduco import Joints
 
 STEPS = [Joints.deg(angle, -10, 100, 0, -90, 0) for angle in (-40, -20, 0, 20, 40)]
@@ -38,26 +35,26 @@ def note(file: Path, number: int) -> None:
     fresh.replace(file)
 
 
-async def cleared() -> bool:
+def cleared() -> bool:
     """Wait until a person has looked at the arm; whether one says that it may go on."""
     if sys.stdin.isatty():
-        await anyio.to_thread.run_sync(input, "look at the arm, then press Enter to go on: ")
+        input("look at the arm, then press Enter to go on: ")
     return sys.stdin.isatty()
 
 
-async def main(file: Path, host: str, port: int, *, simulated: bool = False) -> None:
-    async with aioduco.connect(host, port) as robot:
-        await robot.bring_up()
+def main(file: Path, host: str, port: int, *, simulated: bool = False) -> None:
+    with aioduco.sync.connect(host, port) as robot:
+        robot.bring_up()
         for number in range(done(file), len(STEPS)):
             while True:
                 try:
-                    await robot.motion.movej2(STEPS[number], v=0.6, a=1.5)
+                    robot.motion.movej2(STEPS[number], v=0.6, a=1.5)
                     break
                 except FAULTS as fault:
                     print(f"step {number + 1}: {type(fault).__name__}")
-                    if not await cleared() and not simulated:
+                    if not cleared() and not simulated:
                         raise
-                    await robot.recover()
+                    robot.recover()
             note(file, number + 1)
             print(f"step {number + 1}: done")
         print("the job is done")
@@ -70,7 +67,7 @@ if __name__ == "__main__":
     parser.add_argument("port", nargs="?", type=int, default=7003)
     given = parser.parse_args()
     if given.host:
-        anyio.run(main, given.job, given.host, given.port)
+        main(given.job, given.host, given.port)
     else:
         import threading
 
@@ -85,5 +82,5 @@ if __name__ == "__main__":
 
             pusher = threading.Thread(target=push, name="somebody in the way")
             pusher.start()
-            anyio.run(partial(main, given.job, sim.host, sim.port, simulated=True))
+            main(given.job, sim.host, sim.port, simulated=True)
             pusher.join()

@@ -16,12 +16,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import anyio
-import anyio.to_thread
-
-import aioduco
+import aioduco.sync
 from aioduco.recording import read
-from aioduco.recording.playback import RecordedPath, WaypointFile, play, run_waypoints
+from aioduco.recording.playback import RecordedPath, WaypointFile
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -52,34 +49,28 @@ def simulated_hand(sim: Simulator, number: int) -> bool:
     return True
 
 
-async def teach(robot: aioduco.Robot, folder: Path, hand: Hand) -> tuple[Path, WaypointFile]:
+def teach(robot: aioduco.sync.Robot, folder: Path, hand: Hand) -> tuple[Path, WaypointFile]:
     """Record what the hand does; the recording, and the waypoints that were kept."""
     kept = WaypointFile.new(title="teach_and_replay")
-    async with robot.record(folder / "taught.mcap") as recording, robot.motion.teach_mode():
-        while await anyio.to_thread.run_sync(hand, len(kept.waypoints) + 1):
-            joints = await robot.state.get_actual_joints_position()
+    with robot.record(folder / "taught.mcap") as recording, robot.motion.teach_mode.start():
+        while hand(len(kept.waypoints) + 1):
+            joints = robot.state.get_actual_joints_position()
             kept.add(f"p{len(kept.waypoints) + 1}", joints)
             kept.save(folder / "taught.toml")
             print("kept:", ", ".join(f"{angle:.1f}°" for angle in joints.degrees))
     return recording.path, kept
 
 
-def way(recording: Path) -> RecordedPath:
-    """The recorded way, at half the speed."""
-    return RecordedPath.of(read(recording), of="states", speed=0.5)
-
-
-async def main(host: str, port: int, folder: Path, sim: Simulator | None = None) -> None:
+def main(host: str, port: int, folder: Path, sim: Simulator | None = None) -> None:
     hand = person if sim is None else partial(simulated_hand, sim)
     clock = None if sim is None else sim.clock
-    async with aioduco.connect(host, port, state_rate=125, clock=clock) as robot:
-        await robot.bring_up()
-        recording, kept = await teach(robot, folder, hand)
+    with aioduco.sync.connect(host, port, state_rate=125, clock=clock) as robot:
+        robot.bring_up()
+        recording, kept = teach(robot, folder, hand)
 
         try:
-            # in a thread: for ten minutes of a hand it takes seconds, in which the loop must run
-            path = await anyio.to_thread.run_sync(way, recording)
-            result = await play(robot, path, approach=0.3)
+            path = RecordedPath.of(read(recording), of="states", speed=0.5)
+            result = aioduco.sync.play(robot, path, approach=0.3)
         except (aioduco.RecordingError, aioduco.PathRefused) as unfit:
             # It has gaps, or leaps, of a computer that was too busy meanwhile; nothing was sent.
             print("the way again: no,", unfit)
@@ -87,7 +78,7 @@ async def main(host: str, port: int, folder: Path, sim: Simulator | None = None)
             off = max(result.path_error)
             print(f"the way again: {result.duration:.1f} s, {off:.3f} rad off at most")
 
-        await run_waypoints(robot, kept, speed=0.5)
+        aioduco.sync.run_waypoints(robot, kept, speed=0.5)
         print(f"the places again: {len(kept.waypoints)} of {len(kept.waypoints)}")
 
 
@@ -97,9 +88,9 @@ if __name__ == "__main__":
     parser.add_argument("port", nargs="?", type=int, default=7003)
     given = parser.parse_args()
     if given.host:
-        anyio.run(main, given.host, given.port, Path.cwd())
+        main(given.host, given.port, Path.cwd())
     else:
         from aioduco.sim import Simulator
 
         with Simulator() as arm, tempfile.TemporaryDirectory() as name:
-            anyio.run(main, arm.host, arm.port, Path(name), arm)
+            main(arm.host, arm.port, Path(name), arm)

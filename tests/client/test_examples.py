@@ -6,6 +6,7 @@ import asyncio
 import importlib.util
 import json
 import re
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -14,6 +15,7 @@ import pytest
 from example_modules import example
 from interpreter import python
 from moments import complaints
+from terminals import terminal
 
 import aioduco.sync
 from aioduco._wire import rpc
@@ -151,6 +153,30 @@ def test_a_stop_by_somebody_else_ends_it_where_nobody_can_be_asked(
         assert b"TaskStopped" in said
         assert program.returncode == 1
         assert sim.joints == pytest.approx(stopped, abs=1e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["behaviour_tree.py", "resume_job.py", "teach_and_replay.py"])
+def test_one_ctrl_c_ends_it_while_it_waits_for_a_line(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A line was read in a thread that nothing ended: it took a second Ctrl-C."""
+    monkeypatch.chdir(tmp_path)
+    job = ["job.json"] if name == "resume_job.py" else []
+    if name == "behaviour_tree.py":
+        pytest.importorskip("py_trees", reason="needs pip install 'aioduco[examples]'")
+    words = str(EXAMPLES / name), *job
+    with (
+        Simulator() as sim,
+        terminal(*words, sim.host, str(sim.port), command=(sys.executable, PATIENT)) as shown,
+    ):
+        if name != "teach_and_replay.py":
+            sim.wait_until(lambda: abs(sim.joints[0]) > 0.1, 60.0)
+            sim.collide(joint=1)
+        shown.until_it_shows(b"Enter")
+        shown.program.send_signal(signal.SIGINT)
+        assert shown.exit_code() == -signal.SIGINT
+        assert not sim.moving
 
 
 @pytest.mark.slow
