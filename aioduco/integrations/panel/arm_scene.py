@@ -67,7 +67,6 @@ class ArmScene:
 
     Args:
         arm: the arm.
-        port: the port of the page, which transports the picture.
         scene: objects around the arm; None for nothing.
         envelope: envelope whose zones are drawn; None for none.
         twin: whether to draw the arm's twin, too.
@@ -76,13 +75,11 @@ class ArmScene:
     def __init__(
         self,
         arm: Arm,
-        port: int,
         scene: Scene | None,
         envelope: Envelope | None,
         *,
         twin: bool = False,
     ) -> None:
-        self.port = port
         self._server = _SilentViser()
         draw = self._server.scene
         self._server.gui.configure_theme(

@@ -278,7 +278,6 @@ class Panel(Uncopied):
         async with contextlib.AsyncExitStack() as stack:
             await stack.enter_async_context(self._observer)
             await self._identify_arm()
-            await stack.enter_async_context(self._server.listening())
             self._scene = await in_thread(self._make_scene)
             stack.push_async_callback(in_thread, self._scene.close)
             if (limits := self._twin_limits) is not False:
@@ -289,6 +288,8 @@ class Panel(Uncopied):
                     known, arm=self._arm.name, mounting=mounting, commands=False
                 )
                 await stack.enter_async_context(self.twin)
+            # last: pages that wait for a panel come at once
+            await stack.enter_async_context(self._server.listening())
             self._all = group = await anyio.create_task_group().__aenter__()
             stack.push_async_callback(self._end_work, group)
             for work in (self._samples, self._happenings, self._ask_seldom, self._tell):
@@ -300,11 +301,11 @@ class Panel(Uncopied):
         """End it: stop a lease's motion and wait until the arm stands; other motions continue."""
         await self._stack.__aexit__(*exc)
 
-    @staticmethod
-    async def _end_work(group: TaskGroup) -> None:
+    async def _end_work(self, group: TaskGroup) -> None:
         """Cancel all tasks; an error of the caller's block stays unchanged."""
         group.cancel_scope.cancel()
         await group.__aexit__(None, None, None)
+        self._all = None
 
     async def _identify_arm(self) -> None:
         """Find out which arm it is, and whether there is a simulator."""
@@ -332,12 +333,11 @@ class Panel(Uncopied):
             from aioduco.integrations.panel.arm_scene import ArmScene  # noqa: PLC0415
 
         around, twin = self._scene_around, self._twin_limits is not False
-        return ArmScene(self._arm, self._server.port, around, self._envelope, twin=twin)
+        return ArmScene(self._arm, around, self._envelope, twin=twin)
 
     # -- requests of pages, on the event loop: nothing here waits ----------------------------------
 
     def _hello(self, page: int) -> dict[str, Any]:
-        scene = self._scene
         return {
             "tell": "hello",
             "page": page,
@@ -346,7 +346,6 @@ class Panel(Uncopied):
             "lower": self._arm.lower,
             "upper": self._arm.upper,
             "fastest": self._arm.velocity,
-            "scene_port": None if scene is None else scene.port,
             "watch_only": not self.token,
             "twin": self.twin is not None,
             "simulator": self._simulator_port is not None,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import json
 import logging
+import socket
 import time
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -14,6 +15,7 @@ from typing import Any
 import anyio
 import pytest
 from client.bench import Bench
+from ports import free_port
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import InvalidStatus
 
@@ -235,6 +237,22 @@ async def test_a_page_of_another_site_gets_no_connection(
         origin: Any = panel.url.rstrip("/")
         async with page_of(panel, origin=origin) as page:
             assert page.all("state")
+
+
+async def test_pages_come_when_the_panel_can_serve_them(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A page of the panel before, which tries every second, never got a picture."""
+    port, make = free_port(), Panel._make_scene
+
+    def make_scene(panel: Panel) -> Any:
+        with pytest.raises(ConnectionRefusedError):
+            socket.create_connection(("127.0.0.1", port)).close()
+        return make(panel)
+
+    monkeypatch.setattr(Panel, "_make_scene", make_scene)
+    async with Panel(bench.host, bench.port, **PATIENT | {"listen": port}) as panel, page_of(panel):
+        pass
 
 
 def test_a_link_holds_a_token_of_any_characters() -> None:

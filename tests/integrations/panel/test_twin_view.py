@@ -75,7 +75,7 @@ def test_the_twin_is_behind_the_set_points_by_the_normal_lag() -> None:
 @pytest.mark.parametrize("which", ["told", "aim", "twin"])
 def test_what_differs_from_the_arm_is_drawn_where_it_is(which: str) -> None:
     """What it was told, where the sliders point, and its twin."""
-    with contextlib.closing(ArmScene(ARM, 0, None, None, twin=True)) as scene:
+    with contextlib.closing(ArmScene(ARM, None, None, twin=True)) as scene:
         apart = (0.1, *HOME[1:])
         for shown in (HOME, apart, HOME, apart):
             others: dict[str, Any] = {"told": HOME, "aim": None, which: shown}
@@ -94,7 +94,7 @@ def test_things_and_zones_are_drawn_where_they_are() -> None:
         Zone.plane((0.0, 0.0, 0.02), (0.0, 0.0, 1.0)),
     ]
     around = Scene("gcr5_910", [table, ball]), Envelope("gcr5_910", *zones)
-    with contextlib.closing(ArmScene(ARM, 0, *around)) as scene:
+    with contextlib.closing(ArmScene(ARM, *around)) as scene:
         drawn = scene._server.scene._handle_from_node_name
         for name, place, size in (
             ("/things/table", (0.62, 0.0, 0.24), None),

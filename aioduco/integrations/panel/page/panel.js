@@ -275,16 +275,13 @@ function begin(message) {
   message.events.forEach(showEvent);
   seldom = message.seldom;
   showSeldom(); showSpeeds(); showMeasured(message.measured);
-  if (message.scene_port === null) pictureSays("This panel draws no picture of the arm.");
-  else {
-    pictureSays("The picture of the arm is loading…");
-    // By this computer's other name the picture is another site's to the browser, which draws it in
-    // a process of its own: however long that takes, the stop does not wait for it.
-    const names = {"127.0.0.1": "localhost", "localhost": "127.0.0.1"};
-    const host = location.host.replace(location.hostname, names[location.hostname] ?? location.hostname);
-    const where = `ws://${host}/picture`;
-    $("scene").src = `${location.protocol}//${host}/scene?darkMode&websocket=${encodeURIComponent(where)}`;
-  }
+  pictureSays("The picture of the arm is loading…");
+  // By this computer's other name the picture is another site's to the browser, which draws it in
+  // a process of its own: however long that takes, the stop does not wait for it.
+  const names = {"127.0.0.1": "localhost", "localhost": "127.0.0.1"};
+  const host = location.host.replace(location.hostname, names[location.hostname] ?? location.hostname);
+  const where = `ws://${host}/picture`;
+  $("scene").src = `${location.protocol}//${host}/scene?darkMode&websocket=${encodeURIComponent(where)}`;
 }
 addEventListener("message", (event) => {
   if (event.source !== $("scene").contentWindow) return;
