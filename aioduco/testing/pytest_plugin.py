@@ -25,7 +25,8 @@
 
 The robots measure times by the simulator's clock. MuJoCo and Thrift are loaded only if a test asks
 for a robot. The fixture `duco_robot` is a coroutine: it needs pytest-asyncio, in any mode, or
-anyio's own plugin.
+anyio's own plugin, beside which pytest-asyncio is not in auto mode. It belongs to the event loop
+of pytest-asyncio's `asyncio_default_fixture_loop_scope`: set that to the scope of the tests' loop.
 
 `pytest --duco-host 192.168.1.10` runs the same tests on an arm, slowly. Tests that need the
 simulated controller, to inspect it or to inject a fault, are skipped there. A test that fails
@@ -210,6 +211,10 @@ def _marked(request: pytest.FixtureRequest, name: str) -> Any:
     return marker.args[0]
 
 
+def _has_fault(request: pytest.FixtureRequest) -> bool:
+    return request.node.get_closest_marker("duco_fault") is not None
+
+
 @pytest.fixture
 def duco_simulator(
     request: pytest.FixtureRequest, duco_simulator_options: Mapping[str, Any]
@@ -217,6 +222,8 @@ def duco_simulator(
     """A simulated controller with its arm, powered off, on a port of its own."""
     if request.config.getoption("duco_host") is not None:
         pytest.skip("it needs the simulated arm, and --duco-host names another one")
+    if _has_fault(request) and not {"duco_proxy", "_duco_line"} & {*request.fixturenames}:
+        raise pytest.UsageError("@pytest.mark.duco_fault: the test connects past its duco_proxy")
     from aioduco.sim import Simulator  # noqa: PLC0415 - it loads MuJoCo
 
     options = dict(duco_simulator_options)
@@ -255,7 +262,7 @@ class _Line:
         config = request.config
         self.simulator: Simulator | None = None
         address: str | None = config.getoption("duco_host")
-        faults = request.node.get_closest_marker("duco_fault") is not None
+        faults = _has_fault(request)
         if address is not None:
             if faults or "duco_proxy" in request.fixturenames:
                 pytest.skip("it puts faults on the wire, which is not done to an arm")

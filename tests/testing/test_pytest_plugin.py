@@ -198,6 +198,20 @@ def test_a_failed_test_leaves_what_is_known_of_its_arm(
 
 
 @pytest.mark.slow
+def test_a_fault_that_a_test_connects_past_is_an_error(tmp_path: Path) -> None:
+    """Such a test passed, without its fault."""
+    (tmp_path / "test_past.py").write_text(
+        "import pytest\nfrom aioduco.testing import DropReply\n"
+        "pytestmark = pytest.mark.duco_fault('movej2', DropReply())\n"
+        "def test_past(duco_simulator): pass\n"
+        "def test_through(duco_simulator, duco_proxy): pass\n"
+    )
+    done = python("-m", "pytest", "-p", "no:cacheprovider", str(tmp_path), cwd=tmp_path)
+    assert "1 passed, 1 error" in done.stdout, done.stdout + done.stderr
+    assert "connects past its duco_proxy" in done.stdout
+
+
+@pytest.mark.slow
 def test_a_test_that_fails_again_leaves_its_last_run(tmp_path: Path) -> None:
     left = tmp_path / "left"
     for run in range(2):
