@@ -149,6 +149,30 @@ async def test_what_the_sliders_do_not_show_is_no_target(chromium: BrowserContex
         assert float(await page.input_value(first)) == pytest.approx(1e3 * here, abs=0.1)
 
 
+async def test_a_target_of_before_the_connection_was_lost_is_none(
+    chromium: BrowserContext,
+) -> None:
+    """The arm may be elsewhere by then, or another one; the picture showed no such target."""
+    async with arm_and_panel() as (_, panel):
+        page = await commanding(chromium, panel)
+        await page.click("[data-tab=move]")
+        first = "#targets .target:nth-child(1) input[type=number]"
+        await page.fill(first, "20")
+        await page.wait_for_selector("#move:enabled")
+        await page.evaluate("socket.close()")
+        await page.wait_for_function("hello.page === 2 && state !== null")
+        assert not await page.input_value(first)
+        assert await page.evaluate("aimed") is False
+
+
+async def test_stop_by_a_click_that_no_pointer_made(chromium: BrowserContext) -> None:
+    """As of a screen reader, or of voice control: nothing was sent."""
+    async with arm_and_panel() as (_, panel):
+        page = await opened(chromium, panel.url)
+        await page.evaluate("$('stop').click()")
+        await page.wait_for_function("document.body.innerText.includes('stopped: the arm stands')")
+
+
 async def test_a_token_that_is_no_part_of_an_address_takes_no_stop_from_the_page(
     chromium: BrowserContext,
 ) -> None:

@@ -95,6 +95,8 @@ setInterval(() => {
 function stop() { send({ask: "stop"}); release(); }
 $("stop").addEventListener("pointerdown", (event) => { event.preventDefault(); stop(); });
 $("stop").addEventListener("keydown", (event) => { if (!event.repeat && (event.key === " " || event.key === "Enter")) { event.preventDefault(); stop(); } });
+// a screen reader clicks without a pointer
+$("stop").addEventListener("click", (event) => { if (event.detail === 0) stop(); });
 window.addEventListener("keydown", (event) => { if (event.key === "Escape" && !event.repeat && !$("ask").open) stop(); }, true);
 
 // -- press and hold ---------------------------------------------------------------------------------
@@ -171,13 +173,13 @@ const space = () => document.querySelector("input[name=space]:checked").value;
 const aim = () => (targets.some((target) => target.number.value === "") ? null : targets.map((target, index) => +target.number.value / (space() === "joints" || index > 2 ? DEGREE : 1000)));
 
 function touched() { const target = aim(); aimed = target !== null; if (space() === "joints") send({ask: "aim", joints: target}); }
+function noTarget() { aimed = false; for (const target of targets) target.number.value = ""; }
 function fromHere() {
-  aimed = false;
+  noTarget();
   send({ask: "aim", joints: null});
   const joints = space() === "joints", known = state !== null && state.sample !== null && hello !== null;
   const values = !known ? null : joints ? state.sample.joints : state.sample.moving === false ? seldom.work_pose : null;
   if (!values || values.includes(null)) {
-    for (const target of targets) target.number.value = "";
     notice("It is not known where the arm is; the place of the tool not while it moves. Press From here again.");
     return;
   }
@@ -266,6 +268,7 @@ function begin(message) {
   hello = message;
   lostAfter = Math.max(1000, 1000 * message.hold_limit);
   history = message.history;
+  noTarget();  // the arm may be elsewhere by now, or another one
   document.title = `${message.name} · aioduco panel`;
   $("name").textContent = message.name;
   $("take").hidden = message.watch_only;
