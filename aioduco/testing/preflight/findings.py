@@ -93,9 +93,11 @@ def findings(
         The findings, in the order of time: one for each kind and line, which says how many others
         there are, as of the motions of a loop.
     """
+    contacts = tuple(_contacts(run, allowed))
+    touched = [one.time for one in contacts]
     found = [
-        *_contacts(run, allowed), *_failures(run), *_blends(run), *_after_stops(run), *_notes(run),
-        *more,
+        *contacts, *_failures(run, touched), *_blends(run), *_after_stops(run),
+        *_notes(run, touched), *more,
     ]  # fmt: skip
     found.sort(key=lambda one: one.time)
     seen: dict[tuple[str, int, str, str], PreflightFinding] = {}
@@ -156,7 +158,7 @@ def _contacts(run: Mapping[str, Any], allowed: Sequence[str]) -> Iterator[Prefli
         yield _made(kind, text, contact["time"], call and call["where"], contact["sample"])
 
 
-def _failures(run: Mapping[str, Any]) -> Iterator[PreflightFinding]:
+def _failures(run: Mapping[str, Any], touched: Sequence[float]) -> Iterator[PreflightFinding]:
     for call in run["calls"]:
         if call["impossible"] and call["where"]:
             kind = _kind(call["impossible"], "failed task")
@@ -165,15 +167,16 @@ def _failures(run: Mapping[str, Any]) -> Iterator[PreflightFinding]:
         if call["where"] is None or not failed:
             continue
         kind = _kind(call["message"], "failed task")
-        if kind == "collision" and _touched(run, call["ended"]):
+        if kind == "collision" and _soon(touched, call["ended"]):
             continue
         # the cause of a starved stream is the line at which the program is meanwhile
         where = (kind == "starved stream" and call["meanwhile"]) or call["where"]
         yield _made(kind, f"{call['text']}: {call['message']}", call["ended"], where)
 
 
-def _touched(run: Mapping[str, Any], time: float) -> bool:
-    return any(0.0 <= time - contact["time"] < _SOON for contact in run["contacts"])
+def _soon(touched: Sequence[float], time: float) -> bool:
+    """Whether a contact that is a finding explains a failure at a time."""
+    return any(0.0 <= time - each < _SOON for each in touched)
 
 
 def _blends(run: Mapping[str, Any]) -> Iterator[PreflightFinding]:
@@ -212,23 +215,23 @@ def _after_stops(run: Mapping[str, Any]) -> Iterator[PreflightFinding]:
             stop = None
 
 
-def _notes(run: Mapping[str, Any]) -> Iterator[PreflightFinding]:
+def _notes(run: Mapping[str, Any], touched: Sequence[float]) -> Iterator[PreflightFinding]:
     for note in run["notes"]:
         kind = note["kind"]
         if kind == "error":
-            if _explained(run, note):
+            if _explained(run, note, touched):
                 continue
             kind = _kind(note["text"], "refused" if note["error"] == "Refused" else "error")
         yield _made(kind, note["text"], note["time"], note["where"])
 
 
-def _explained(run: Mapping[str, Any], note: Mapping[str, Any]) -> bool:
+def _explained(run: Mapping[str, Any], note: Mapping[str, Any], touched: Sequence[float]) -> bool:
     """Whether the error belongs to a task that is already a finding."""
     failed = ("ERROR", "ILLEGAL", "PARAMETER_MISMATCH")
     return any(
         call["task"] is not None
         and call["task"] == note.get("task")
-        and (call["state"] in failed or _touched(run, call["ended"]))
+        and (call["state"] in failed or _soon(touched, call["ended"]))
         and call["where"]
         for call in run["calls"]
     )

@@ -53,6 +53,15 @@ def test_a_planted_fault_is_found_at_its_line(name: str) -> None:
     assert not report.ok
 
 
+def test_an_arm_that_a_collision_with_an_allowed_thing_stops_is_a_finding() -> None:
+    """It ends the program, as on a real arm."""
+    settings = PreflightSettings(scene=CELLS["box"], allowed=("box",), timeout=110)
+    report = preflight(PROGRAMS / "scene_collision.py", (), settings, quiet=True)
+    (found,) = report.findings
+    assert (found.kind, found.line) == ("collision", 16)
+    assert "检测到碰撞" in found.text
+
+
 COMPUTES = """
 import asyncio, time
 import aioduco
