@@ -32,6 +32,8 @@ SERVO: dict[str, tuple[int | None, int | None]] = {
     "servo_tcp": (3, None),
     "servol": (4, 5),
 }
+#: those whose v is the tool's in manual 4.3 [m/s]; by manual 3.8 it is the joints' [rad/s]
+BY_TOOL = ("servo_tcp", "servol")
 #: largest distance of two positions of the arm from which the way to the target is checked [rad]
 _APART = 0.02
 _SMALL = 2e-4  # turn of a joint that makes no corner of the path [rad]
@@ -73,7 +75,9 @@ def _matrices(tool: Pose, wobj: Pose) -> tuple[Array, Array, Array]:
     return wobj.matrix, tool.matrix, tool.inverse().matrix
 
 
-def servo_ways(here: Config, last: Config, target: Config, v: float) -> list[Way]:
+def servo_ways(
+    here: Config, last: Config, target: Config, v: float, tool_v: float = 0.0
+) -> list[Way]:
     """The paths that the arm may take to a target.
 
     Args:
@@ -81,6 +85,7 @@ def servo_ways(here: Config, last: Config, target: Config, v: float) -> list[Way
         last: the last target; the arm is between the two [rad].
         target: the new target [rad].
         v: largest speed of each joint [rad/s].
+        tool_v: largest speed of the tool, if the set-point has that [m/s].
     """
     off = [b - a for a, b in zip(here, last, strict=True)]
     count = min(_MOST, math.ceil(max(map(abs, off)) / _APART))
@@ -90,7 +95,7 @@ def servo_ways(here: Config, last: Config, target: Config, v: float) -> list[Way
     ]
     if count:
         starts.append(last)
-    return [polyline(_corners(start, target), v) for start in (here, *starts)]
+    return [polyline(_corners(start, target), v, tool_v) for start in (here, *starts)]
 
 
 def _corners(start: Config, target: Config) -> list[Config]:
@@ -122,6 +127,7 @@ def check_servo(
     target: Config,
     v: float,
     slowing: Way | None = None,
+    tool_v: float = 0.0,
 ) -> tuple[Crossing | None, float]:
     """Check all paths that the arm may take to a target.
 
@@ -132,6 +138,7 @@ def check_servo(
         target: the new target [rad].
         v: largest speed of each joint [rad/s].
         slowing: a path that is checked as well.
+        tool_v: largest speed of the tool, if the set-point has that [m/s].
 
     Returns:
         The limit that a path would cross, or does not lead back from, if any; and the share of the
@@ -143,7 +150,7 @@ def check_servo(
         if not reached:
             return None, 1.0
     share = 1.0
-    ways = servo_ways(here, last, target, v)
+    ways = servo_ways(here, last, target, v, tool_v)
     for way in ways if slowing is None else [*ways, slowing]:
         # Nearly always it begins within the limits: only then it may be taken for known.
         found, slowed = check_way(checker, way, known=True)

@@ -95,6 +95,7 @@ class Way:
         end: joint angles at the end [rad].
         radius: blend radius at the end [m]; infinite where it is not known.
         at: function that returns the configurations at shares of the path, from 0 to 1.
+        tool_v: speed of the tool that is requested besides, of a path of joints [m/s].
     """
 
     configs: list[Config]
@@ -103,6 +104,7 @@ class Way:
     end: Config
     radius: float
     at: Callable[[Sequence[float]], list[Config]]
+    tool_v: float = 0.0
 
 
 def way_of(arm: Arm, name: str, args: Sequence[Any], start: Start) -> Way | None:
@@ -238,8 +240,14 @@ def joint_way(q0: Sequence[float], q1: Sequence[float], v: float, r: float = 0.0
     return Way(configs, False, v, configs[-1], r, at)
 
 
-def polyline(points: Sequence[Config], v: float) -> Way:
-    """The path from joint angles to joint angles [rad], straight in between, at a speed [rad/s]."""
+def polyline(points: Sequence[Config], v: float, tool_v: float = 0.0) -> Way:
+    """The path from joint angles to joint angles [rad], straight in between.
+
+    Args:
+        points: joint angles [rad].
+        v: speed of the leading joint [rad/s].
+        tool_v: speed of the tool that is requested besides [m/s].
+    """
     configs = [points[0]]
     for there in points[1:]:
         here = configs[-1]
@@ -260,7 +268,7 @@ def polyline(points: Sequence[Config], v: float) -> Way:
             found.append(tuple([x + part * (y - x) for x, y in zip(a, b, strict=True)]))
         return found
 
-    return Way(configs, False, v, configs[-1], 0.0, at)
+    return Way(configs, False, v, configs[-1], 0.0, at, tool_v)
 
 
 def _count(length: float, turn: float) -> int:
@@ -341,6 +349,7 @@ def check_way(
             if not way.by_tip:
                 moved = math.dist(checker.places(here)[0], checker.places_ahead(there)[0])
                 speed *= moved / max(*(abs(b - a) for a, b in zip(here, there, strict=True)), 1e-12)
+                speed = max(speed, way.tool_v if moved > _SAME else 0.0)
             elif math.dist(here[9:], there[9:]) < _SAME:
                 speed = 0.0  # it only turns
         while found := checker.too_fast(share * speed) or _sweep(

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from aioduco._wire.rpc import AsyncRpc
     from aioduco.envelope.ways import CutCorner, Leg, Way
     from aioduco.models.pose import Joints, Pose
+    from aioduco.models.version import Manual
     from aioduco.supervision.envelope_watch import EnvelopeWatch
     from aioduco.supervision.state_feed import StateFeed
     from aioduco.supervision.stop_coordinator import StopCoordinator
@@ -104,6 +105,9 @@ class EnvelopeKeeper:
         rpc: reads the position of the arm, its tool and its work object.
         feed: samples of the state; they have forces if the envelope needs them.
         watch: watches the state, and has the envelope.
+
+    Attributes:
+        manual: the manual that the controller follows; None if that is not known.
     """
 
     def __init__(
@@ -117,6 +121,7 @@ class EnvelopeKeeper:
         self._rpc = rpc
         self._feed = feed
         self._watch = watch
+        self.manual: Manual | None = None
         self._open = False
         #: whether something was asked for that may move the arm, and may not be sent yet
         self._asked = False
@@ -291,7 +296,11 @@ class EnvelopeKeeper:
         if chain is not None and a < chain.a and sample is not None:
             slowing = servo.braking(here, sample.status.joint_speeds.tolist(), a)
         checker = self._watch.checker(envelope, frames.tool)
-        found, share = servo.check_servo(checker, here, last, target, v, slowing)
+        of_tool = name in servo.BY_TOOL and self.manual != "3.8"
+        of_joints = not of_tool or self.manual is None  # which of the two is not known
+        found, share = servo.check_servo(
+            checker, here, last, target, v * of_joints, slowing, v * of_tool
+        )
         if found is not None:
             await self._refuse(name, found)
         command = await self._slower(command, share)

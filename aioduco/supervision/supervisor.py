@@ -430,6 +430,7 @@ class Supervisor:
 
     def _note_version(self, version: ControllerVersion) -> None:
         self.version = version
+        self.envelope.manual = version.manual
         for lane in self.lanes:
             lane.version = version.text
         self._motions_over = self._motion_lane.connection

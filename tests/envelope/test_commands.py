@@ -30,8 +30,8 @@ from aioduco.sim import Simulator
 from aioduco.supervision.command import MotionCommand
 from aioduco.testing import eventually_async
 
-from .conftest import AT, FLAT, START, THREAD, fastest, stand, turned, wall
-from .trials import ARM, LAG, Seen, least
+from .conftest import AT, FLAT, SPEED, START, THREAD, fastest, stand, turned, wall
+from .trials import ARM, CYCLE, LAG, Seen, least
 
 #: how far beyond a limit the arm may ever be, however often a program commands [m]
 BEYOND = 0.02
@@ -466,6 +466,24 @@ async def test_a_limit_of_the_speed_refuses_a_command(robot: aioduco.Robot, numb
     robot.envelope = Envelope("gcr5_910", ToolSpeed(0.1))
     with pytest.raises(EnvelopeViolated, match="m/s"):
         await SPEEDS[number](robot.motion)
+
+
+@pytest.mark.parametrize("kind", ["servol", "servo_tcp"])
+async def test_a_set_point_with_a_speed_of_the_tool_is_slowed(kind: str) -> None:
+    """By manual 4.3 its v is the tool's."""
+    q: list[np.ndarray] = []
+    with Simulator(speed=SPEED, joints=START, cycle=CYCLE, generation="4.3") as sim:
+        sim.observe(lambda snapshot, _: q.append(snapshot.setpoint.q.copy()))
+        async with aioduco.connect(sim.host, sim.port, clock=sim.clock, lag_limit=None) as robot:
+            await robot.bring_up()
+            robot.envelope = Envelope("gcr5_910", wall(-0.3, action="slow"))
+            if kind == "servol":
+                to = Pose(AT[0], AT[1] + 0.15, AT[2], math.pi, 0, -math.pi / 2)
+                await robot.motion.servol(to, v=0.5, a=20.0)
+            else:
+                await robot.motion.servo_tcp(Pose(0.15, 0, 0, 0, 0, 0), v=0.5, a=20.0)
+    tool = ARM.fkine(np.array(q))[:, :3, 3]
+    assert 0.08 < np.linalg.norm(np.diff(tool, axis=0), axis=1).max() / CYCLE <= 0.1 * 1.05
 
 
 @pytest.mark.slow
