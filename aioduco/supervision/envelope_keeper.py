@@ -246,7 +246,7 @@ class EnvelopeKeeper:
                 self._watch.moves_unchecked()
         if found is not None:
             await self._refuse(command.name, found)
-        command = await self._slower(command, share)
+        command = await self._slower(envelope, command, share)
         if live and before is None:
             self._watch.moves_unchecked()  # it begins where something unknown ends
         else:
@@ -303,7 +303,7 @@ class EnvelopeKeeper:
         )
         if found is not None:
             await self._refuse(name, found)
-        command = await self._slower(command, share)
+        command = await self._slower(envelope, command, share)
         if before is None and any(task.name != name for task in self._coordinator.follower.motions):
             self._watch.moves_unchecked()  # it begins where something unknown ends
         else:
@@ -339,7 +339,7 @@ class EnvelopeKeeper:
             if found is not None:
                 await self._refuse(command.name, found)
             share = min(share, slowed)
-        command = await self._slower(command, share)
+        command = await self._slower(envelope, command, share)
         self._watch.velocity = motion._replace(args=command.args), frames.wobj
         self._watch.moves_unchecked()
         return command
@@ -416,7 +416,7 @@ class EnvelopeKeeper:
         if moves:
             self._watch.moves_unchecked()
 
-    async def _slower(self, command: Command, share: float) -> Command:
+    async def _slower(self, envelope: Envelope, command: Command, share: float) -> Command:
         """Return a motion with a share of its speed; as it is if it may have all of it."""
         if share >= 1.0:
             return command
@@ -432,8 +432,11 @@ class EnvelopeKeeper:
         least = _SLOWEST_SERVO if name in servo.SERVO else _SLOWEST.get(name, _SLOWEST_LINE)
         speed = args[at] * share
         if speed < least:
-            crossing = Crossing("slow", "tool", _NOWHERE, -speed, "m/s", "refuse")
-            await self._refuse(name, crossing)
+            limits = zip(envelope.titles, envelope.limits, strict=True)
+            slow = " or ".join(title for title, limit in limits if limit.action == "slow")
+            found = Crossing(slow, "tool", _NOWHERE, speed - least, "", "refuse")
+            why = f"its envelope wants a speed of {speed:.2g}, below the least one, {least:g}"
+            await self._refuse(name, found, why)
         return replace(command, args=(*args[:at], speed, *args[at + 1 :]))
 
     async def _refuse(

@@ -183,6 +183,13 @@ async def test_a_motion_is_sent_more_slowly(robot: aioduco.Robot, seen: Seen) ->
         await robot.motion.movel(Pose(*AT, math.pi, 0, -math.pi / 2), v=0.25, a=5.0)
 
 
+async def test_a_motion_that_cannot_be_slow_enough_names_the_limit(robot: aioduco.Robot) -> None:
+    robot.envelope = Envelope("gcr5_910", wall(-0.1, "slow", 0.005))
+    with pytest.raises(EnvelopeViolated, match=r"of 0\.005, below the least one, 0\.01") as caught:
+        await robot.motion.movel(Pose(*AT, math.pi, 0, -math.pi / 2).shifted(y=0.1), v=0.1, a=1.0)
+    assert caught.value.limit == "wall"
+
+
 async def test_stop_ends_what_runs_before_it(robot: aioduco.Robot) -> None:
     robot.envelope = Envelope("gcr5_910", wall(0.1, "stop"))
     first = await robot.motion.movej2(turned(-3.0), v=0.05, a=1.0).start()
