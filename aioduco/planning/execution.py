@@ -68,8 +68,8 @@ async def execute(
         if plan.duration == 0.0:
             return None
         if blended:
-            v, a = min(plan.limits.velocity), min(plan.limits.acceleration)
-            await motion.run(*(motion.movej2(q, v, a, r=r) for q, r in plan.waypoints()))
+            a = min(plan.limits.acceleration)
+            await motion.run(*(motion.movej2(q, v, a, r=r) for q, v, r in plan.waypoints()))
             return None
         followed = _Followed(plan, watch, revision, feedback)
         result = await followed.run(motion, tolerances=tolerances, through=through, options=options)

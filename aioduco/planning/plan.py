@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from aioduco.models.pose import Joints, Pose
-from aioduco.models.ranges import FINITE, WAIT
+from aioduco.models.ranges import FINITE, JOINT_SPEED, WAIT
 from aioduco.planning.clearance import TOUCHING, Clearance
 from aioduco.planning.scene import Scene, require_scene
 
@@ -206,16 +207,23 @@ class Plan:
         drawn: NDArray[np.uint8] = result.round().astype(np.uint8)
         return drawn
 
-    def waypoints(self) -> list[tuple[Joints, float]]:
-        """Joints for blended motions of the controller, each with a blend radius [m].
+    def waypoints(self) -> list[tuple[Joints, float, float]]:
+        """Joints for blended motions of the controller, with speed [rad/s] and blend radius [m].
 
         Between them the joints move straight. Straight parts and blends stay so close to the plan
-        that no point of the arm leaves its path by more than the padding that the plan keeps.
+        that no point of the arm leaves its path by more than the padding that the plan keeps. No
+        part is faster than the plan is there: so a line keeps to the speed of its tool, about.
         """
         q = self.trajectory.positions
         rows = _simplified(q * self.radii, 0.45 * self.padding)
         tips = (self.arm.fkine(q[rows]) @ self.tip)[:, :3, 3]
         lengths = np.linalg.norm(np.diff(tips, axis=0), axis=1)
+        most = min(self.limits.velocity)
+        rates = np.abs(np.diff(q, axis=0)).max(axis=1) / np.diff(self.trajectory.times)
+        speeds = [
+            float(np.clip(rates[one:other].max(), JOINT_SPEED.low, most))
+            for one, other in pairwise(rows)
+        ]
         found = []
         for i, row in enumerate(rows[1:-1], start=1):
             # A blend over half of both parts cuts the corner by this; over less, by less.
@@ -223,8 +231,8 @@ class Plan:
             cut = 0.5 * float(np.abs(q[row] - middle) @ self.radii)
             share = min(1.0, 0.5 * self.padding / max(cut, 1e-9))
             radius = 0.45 * share * float(min(lengths[i - 1], lengths[i]))
-            found.append((Joints.of(q[row]), radius))
-        return [*found, (self.end, 0.0)]
+            found.append((Joints.of(q[row]), speeds[i - 1], radius))
+        return [*found, (self.end, speeds[-1] if speeds else most, 0.0)]
 
     async def run_on(
         self, motion: Any, read_joints: Any, **options: Any

@@ -384,8 +384,8 @@ class Motion(_Section):
                 end, which the arm follows instead; upright if the plan is.
             through: "realtime" for the controller's realtime queue, "servoj" for one call per
                 set-point, "auto" for the queue if this controller has one, else servoj; "blended"
-                for joint motions of the controller that blend, as fast as it makes them within
-                the plan's limits, and without `watch`, `tolerances`, `feedback` and `options`.
+                for joint motions of the controller that blend, nowhere faster than the plan,
+                and without `watch`, `tolerances`, `feedback` and `options`.
             tolerances: largest distances of the arm from the plan; None: the defaults of
                 `Tolerances`.
             feedback: callback on the robot's thread, which gets a `Feedback` about 50 times a

@@ -298,17 +298,32 @@ def test_joints_at_a_limit_are_not_reached_by_another_turn() -> None:
 
 
 def test_a_plan_to_where_the_arm_is_takes_no_time(planner: Planner) -> None:
-    assert planner.plan_blocking(LEFT, LEFT).duration == 0.0
+    plan = planner.plan_blocking(LEFT, LEFT)
+    assert plan.duration == 0.0
+    assert plan.waypoints() == [(LEFT, 1.0, 0.0)]
 
 
 def test_waypoints_for_blends_stay_within_the_padding(scene: Scene, planner: Planner) -> None:
     plan = planner.plan_blocking(LEFT, RIGHT)
     found = plan.waypoints()
-    assert found[-1] == (plan.end, 0.0)
-    corners = [plan.start.array, *(q.array for q, _ in found)]
+    assert found[-1][::2] == (plan.end, 0.0)
+    corners = [plan.start.array, *(q.array for q, *_ in found)]
     for one, two in itertools.pairwise(corners):
         shares = np.linspace(0.0, 1.0, 30)[:, None]
         assert not any(scene.collides(Joints.of(q)) for q in one + shares * (two - one))
+
+
+def test_waypoints_along_a_line_keep_to_the_speed_of_the_tool(
+    scene: Scene, planner: Planner
+) -> None:
+    plan = planner.line_blocking(RIGHT, raised(scene, RIGHT, 0.2, 0, 0), speed=0.05)
+    here, fastest = RIGHT.array, 0.0
+    for q, v, _ in plan.waypoints():
+        tips = scene.arm.fkine(np.linspace(here, q, 50))[:, :3, 3]
+        way = np.linalg.norm(np.diff(tips, axis=0), axis=1).max() * 49
+        fastest = max(fastest, float(way * v / np.abs(q - here).max()))
+        here = q.array
+    assert fastest == pytest.approx(0.05, rel=0.15)
 
 
 @pytest.mark.slow
@@ -380,7 +395,7 @@ def test_ends_that_nearly_touch_something_are_left_and_reached(gap: float) -> No
             assert plan.fraction == 1.0
             assert plan.check(scene), plan.check(scene)
             assert plan.padding <= max(gap, 1e-6)
-            assert not any(scene.collides(q) for q, _ in plan.waypoints())
+            assert not any(scene.collides(q) for q, *_ in plan.waypoints())
 
 
 @pytest.mark.slow
