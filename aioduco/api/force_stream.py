@@ -70,4 +70,4 @@ class ForceStream(PortReader[ConnectedUDPSocket, ForceSample]):
             ConnectionLost: it is not open, or no sample came in time.
             ProtocolError: what came is none.
         """
-        return await self._next()
+        return await anext(self)

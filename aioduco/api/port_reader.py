@@ -93,7 +93,7 @@ class PortReader(Uncopied, ABC, Generic[C, T]):
             connection, self._connection = self._connection, None
             await anyio.aclose_forcefully(connection)
 
-    async def _next(self) -> T:
+    async def __anext__(self) -> T:
         """Wait for the next item, at most for the time-out.
 
         Raises:
@@ -113,6 +113,3 @@ class PortReader(Uncopied, ABC, Generic[C, T]):
 
     def __aiter__(self) -> Self:
         return self
-
-    async def __anext__(self) -> T:
-        return await self._next()

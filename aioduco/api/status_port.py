@@ -65,4 +65,4 @@ class StatusPort(PortReader[BufferedByteReceiveStream, StatusFrame]):
                 age of the next one would be unknown. Open a new connection.
             ProtocolError: what came is no such frame; the controller may send another layout.
         """
-        return await self._next()
+        return await anext(self)

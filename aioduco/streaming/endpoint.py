@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
+
+from aioduco.supervision.gate import Gate
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
     from aioduco.streaming.shared.config import CheckedEnvelope, StreamSpec
-    from aioduco.supervision.gate import Gate, Permit
+    from aioduco.supervision.gate import Permit
     from aioduco.supervision.motion_sources import Modes, OpenStream
     from aioduco.supervision.supervisor import Supervisor
 
@@ -29,7 +32,7 @@ class StreamEndpoint:
             if the stream may not begin; its argument is the stream's name.
         admit: returns the permit of a stream, or raises if the robot cannot accept one now; its
             argument is the stream's name.
-        gate: decides until when the permit is valid; None: there is no robot that ends it.
+        gate: decides until when the permit is valid; by default, for ever.
         modes: the modes of the robot.
         guarded: whether a guard stops the robot when the program dies.
         stall_limit: time after which a program whose event loop does not run counts as hung; the
@@ -46,7 +49,7 @@ class StreamEndpoint:
     streams: list[OpenStream] = field(default_factory=list)
     asked: Callable[[str], AbstractContextManager[object]] = nullcontext
     admit: Callable[[str], Awaitable[Permit]] | None = None
-    gate: Gate | None = None
+    gate: Gate = field(default_factory=lambda: Gate(None, math.inf, 0.0))
     modes: Modes | None = None
     guarded: bool = False
     stall_limit: float = 1.0

@@ -82,6 +82,7 @@ class Session(OpenStream):
         if trial.current is not None:
             config = replace(config, options=trial.current.settings(config.options))
         self._endpoint = endpoint
+        self._gate = endpoint.gate
         self._options = config.options
         self._config = config
         self._owner_loop = OwnerLoop("the stream", moves=False)
@@ -287,10 +288,8 @@ class Session(OpenStream):
             why = resource_error(exc) or exc
             raise WorkerFailed(f"no worker could be started: {why}. Nothing was sent") from exc
         # What ended before the line above is told now, and what ends after it at once.
-        if self._permit is not None and self._endpoint.gate is not None:
-            ending = self._endpoint.gate.ending(self._permit)
-            if ending is not None:
-                self.halt() if ending.stops else self.withdraw(ending)
+        if self._permit is not None and (ending := self._gate.ending(self._permit)) is not None:
+            self.halt() if ending.stops else self.withdraw(ending)
         for command, value in dict(self._commands).items():
             self._command(command, value)
         self._background.start(self._supervise(), f"aioduco {self.name}", self._supervised.set)
@@ -314,7 +313,7 @@ class Session(OpenStream):
             undo.callback(setattr, self, "block", None)
             undo.callback(block.close)
             self._touch()
-            self.renew(self._lease)
+            self.renew(self._gate.lease)
             fork_hooks.add(self)
             self._link, theirs = socket.socketpair()
             undo.callback(self._link.close)
@@ -419,9 +418,8 @@ class Session(OpenStream):
             # At once: the worker detects the closed socket, and would report that as its reason.
             self._crashed(error)
             raise
-        gate = self._endpoint.gate
-        if gate is not None and self._worker_reason is Reason.STOPPED and not self._halted:
-            gate.end(PermitEnding.STOPPED)  # by another program
+        if self._worker_reason is Reason.STOPPED and not self._halted:
+            self._gate.end(PermitEnding.STOPPED)  # by another program
         lost = self._worker_reason is Reason.WORKER_DIED or self._word(StatusWord.MODE)
         lost = lost or self._word(StatusWord.UNSTOPPED)
         if lost and self._endpoint.stop is not None:
@@ -502,13 +500,12 @@ class Session(OpenStream):
 
     async def _send_keep_alives(self) -> None:
         """Send the worker keep-alives of the event loop; none counts once the gate is closed."""
-        gate = self._endpoint.gate
         async for _ in keep_alives(self._config.stall_limit):
             if self.gone:
                 return
-            if gate is None or gate.alive(boot_time()):
+            if self._gate.alive(boot_time()):
                 self._touch()
-            self.renew(self._lease)
+            self.renew(self._gate.lease)
 
     def _touch(self) -> None:
         """Send the worker a keep-alive of the event loop."""
@@ -647,11 +644,6 @@ class Session(OpenStream):
         """
         nanoseconds = round(max(lease, 0.0) * 1e9) if math.isfinite(lease) else 0
         self._write(ControlWord.LEASE, _FOR_EVER if lease == math.inf else nanoseconds)
-
-    @property
-    def _lease(self) -> float:
-        gate = self._endpoint.gate
-        return math.inf if gate is None else gate.lease
 
     def kill(self) -> None:
         """Kill a worker's process that does not end by itself; a thread cannot be killed."""

@@ -83,7 +83,7 @@ class Controller:
 
     server: RecordingServer
     stops: list[str] = field(default_factory=list)
-    gate: Gate | None = None
+    gate: Gate = field(default_factory=lambda: StreamEndpoint("", 0).gate)
 
     @property
     def endpoint(self) -> StreamEndpoint:
