@@ -145,13 +145,23 @@ class TwinCommand(NamedTuple):
         time: the middle of the call [s].
         function: the function of the wire.
         arguments: its arguments, in the order of the wire.
-        accepted: whether the controller accepted it.
+        accepted: whether the controller accepted it; None if it is not known, or it was not sent.
     """
 
     time: float
     function: str
     arguments: tuple[Any, ...]
-    accepted: bool
+    accepted: bool | None
+
+    @classmethod
+    def of(
+        cls, time: float, function: str, arguments: tuple[Any, ...], error: str, answer: Any
+    ) -> TwinCommand:
+        """Make a command from its call: the class of its error, empty for none, and its answer."""
+        accepted: bool | None = not (type(answer) is int and answer < 0)
+        if error:
+            accepted = False if error in ("ControllerError", "UnknownFunction") else None
+        return cls(time, function, arguments, accepted)
 
 
 class Divergence(NamedTuple):

@@ -157,16 +157,13 @@ class TwinMonitor:
         if command.function in self._masses and command.accepted:
             load = command.arguments[2 if command.function == "set_tool_data" else 0]
             self._masses[command.function] = float(load[0]) if load else 0.0
-        said = self._predictor.command(command)
-        if said is not None and said is not command.accepted:
-            arm = "accepted" if command.accepted else "refused"
-            if not command.accepted:
-                self._outcomes.append(
-                    Divergence(
-                        Quantity.OUTCOME, f"{command.function}, {arm} by the arm", command.time,
-                        command.time, 1.0, 0.0, "", Cause.UNKNOWN, {},
-                    )
-                )  # fmt: skip
+        if self._predictor.command(command) and command.accepted is False:
+            self._outcomes.append(
+                Divergence(
+                    Quantity.OUTCOME, f"{command.function}, refused by the arm", command.time,
+                    command.time, 1.0, 0.0, "", Cause.UNKNOWN, {},
+                )
+            )  # fmt: skip
 
     def sample(self, sample: TwinSample) -> list[Divergence]:
         """Take a sample; return what has parted.

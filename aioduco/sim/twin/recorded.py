@@ -124,7 +124,8 @@ def _commands(run: RecordedRun) -> Iterator[TwinCommand]:
         # a blocking call lasts as long as its motion
         lasts = 0.0 if data["lane"] == "blocking" else float(data["duration"])
         at = message.time + 0.5 * lasts
-        yield TwinCommand(at, data["function"], arguments, not data["error"])
+        error = data["error"].partition(":")[0]
+        yield TwinCommand.of(at, data["function"], arguments, error, data["result"])
 
 
 def _samples(run: RecordedRun) -> Iterator[TwinSample]:

@@ -160,7 +160,7 @@ class Rehearsal:
                 self.hide(f"{function} cannot be rehearsed: {self._run.reason}")
             return accepted
         if not command.accepted:
-            self.hide(f"the controller did not accept {function}")
+            self.hide(f"{function} was not accepted")
         return True
 
     def advance(self, time: float) -> None:

@@ -297,10 +297,9 @@ class Twin(Uncopied):
             event.lane == "blocking" and event.function in PATHS
         ):
             return
-        accepted = event.error is None
-        self._put(
-            TwinCommand(event.at - 0.5 * event.duration, event.function, event.arguments, accepted)
-        )
+        error = "" if event.error is None else type(event.error).__name__
+        middle = event.at - 0.5 * event.duration
+        self._put(TwinCommand.of(middle, event.function, event.arguments, error, event.result))
 
     def _put(self, item: TwinSample | TwinCommand) -> None:
         if self._queue.qsize() >= _MOST:

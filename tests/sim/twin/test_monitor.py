@@ -212,13 +212,23 @@ def test_power_off_is_somebody_elses_unless_this_program_asked(ours: bool) -> No
     assert [each.cause for each in found] == ([] if ours else [Cause.OTHER_PROGRAM])
 
 
-def test_what_the_controller_refuses_and_the_twin_accepts_is_an_outcome() -> None:
+@for_each(
+    "error, answer, refused",
+    [
+        ("ControllerError", None, True),
+        ("", -1, True),
+        ("OutcomeUnknown", None, False),  # perhaps the arm moves, until the robot stops it
+        ("NotSent", None, False),
+    ],
+)
+def test_what_the_controller_refuses_and_the_twin_accepts_is_an_outcome(
+    error: str, answer: int | None, refused: bool
+) -> None:
     arm, watching = PerfectArm(), monitor()
     assert said(watching, work(arm)) == []
-    function, arguments = movej2(*THERE)
-    watching.command(TwinCommand(arm.time, function, arguments, False))
+    watching.command(TwinCommand.of(arm.time, *movej2(*THERE), error, answer))
     found = said(watching, work(arm))
-    assert [each.quantity for each in found] == [Quantity.OUTCOME]
+    assert [each.quantity for each in found] == [Quantity.OUTCOME] * refused
 
 
 @pytest.mark.slow
