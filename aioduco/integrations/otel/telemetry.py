@@ -33,9 +33,12 @@ _NAME: Final = "aioduco"
 _LANES: Final = ("stop", "control", "poll", "motion", "feed", "call", "blocking")
 #: lanes of which no call is the program's: they belong to no span of it
 _OF_THE_PACKAGE: Final = ("poll", "feed")
-#: the lane on which motions are started, and the function that polls their state
-_MOTIONS: Final = "motion"
+#: the lanes on which motions are started, the second by calls that are answered at their end, and
+#: the function that polls their state
+_MOTIONS: Final = ("motion", "blocking")
 _ASK: Final = "get_noneblock_taskstate"
+#: in place of the id of a task of which only the end was told
+_END: Final = 0
 
 
 def _buckets(*bounds: float) -> dict[str, Any]:
@@ -240,14 +243,19 @@ class Telemetry(Uncopied):
             self._end(timed, event.at, outcome, event.error)
         if event.function == _ASK and event.arguments:
             self._ended(int(event.arguments[0]), event)
+        elif _tells_end(event):
+            self._ended(_END, event)
 
     def _begun(self, event: CallFinished, began: float) -> _Motion | None:
         """The motion that a call started."""
         number = event.result
-        if event.lane != _MOTIONS or type(number) is not int or number <= 0:
+        if event.lane not in _MOTIONS or type(number) is not int or number <= 0:
             return None
         timed = self._span(f"duco.motion {event.function}", began)
-        timed.span.set_attribute("duco.task.id", number)
+        if _tells_end(event):
+            number = _END
+        else:
+            timed.span.set_attribute("duco.task.id", number)
         motion = _Motion(timed, event.function, began)
         with self._lock:
             before = self._motions.pop(number, None)
@@ -311,6 +319,12 @@ class Telemetry(Uncopied):
 def _epoch() -> int:
     """The time of the wall clock when the monotonic clock is 0 [ns]."""
     return time.time_ns() - time.monotonic_ns()
+
+
+def _tells_end(event: CallFinished) -> bool:
+    """Whether a call was answered with the end of its motion, and not with the id of a task."""
+    answer = event.result
+    return event.lane == _MOTIONS[1] and type(answer) is int and 0 < answer <= max(TaskState)
 
 
 def _outcome(error: BaseException | None) -> str:

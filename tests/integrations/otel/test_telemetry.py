@@ -225,6 +225,24 @@ def test_errors_and_the_controller_have_opentelemetrys_names() -> None:
     assert task.attributes["error.type"] == "illegal"
 
 
+def test_a_blocking_call_has_a_motion_that_ends_with_its_answer() -> None:
+    """It was a call that went well, and no task, although its motion had failed."""
+    backend = Backend()
+    telemetry = backend.telemetry()
+    telemetry(called("movel", int(aioduco.TaskState.ERROR), lane="blocking", duration=2.0))
+    telemetry(called("replay", 1007, lane="blocking"))  # some controllers answer with its task
+    telemetry(called("get_noneblock_taskstate", aioduco.TaskState.FINISHED, 1007, lane="poll"))
+    (motion,) = backend.spans("duco.motion movel")
+    assert (motion.attributes or {})["duco.outcome"] == "error"
+    assert "duco.task.id" not in (motion.attributes or {})
+    (call,) = backend.spans("duco.movel")
+    assert call.parent is not None
+    assert call.parent.span_id == motion.context.span_id
+    ends = {point.attributes["duco.outcome"]: point.sum for point in
+            backend.points("duco.task.duration")}  # fmt: skip
+    assert ends == {"error": pytest.approx(2.0), "finished": pytest.approx(0.25, abs=0.1)}
+
+
 def test_a_motion_whose_end_was_not_seen_is_told_so() -> None:
     backend = Backend()
     telemetry = backend.telemetry()
