@@ -87,6 +87,15 @@ def test_a_robot_is_an_address_a_name_the_environment_or_a_default(
     assert str(robots_file()) == "/home/somebody/.config/aioduco/robots.toml"
 
 
+def test_an_address_of_numbers_is_that_address_whatever_the_file_is(config: Path) -> None:
+    """It was taken for the name of another arm, and a file that hangs held up a stop."""
+    config.write_text('["10.0.0.1"]\nhost = "10.0.0.2"\n')
+    assert robot_at("10.0.0.1").host == "10.0.0.1"
+    config.unlink()
+    os.mkfifo(config)
+    assert robot_at("10.0.0.1:7004").port == 7004
+
+
 @for_each(
     "text, said",
     [

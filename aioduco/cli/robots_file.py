@@ -69,13 +69,12 @@ def find(given: str | None, port: int | None = None, cell: Path | None = None) -
     name, text = "the robot", given
     if text is None and cell is None:
         name, text = ENVIRONMENT, os.environ.get(ENVIRONMENT)
-    try:
-        robots, default = _read(robots_file()) if cell is None else _of_cell(cell)
-    except WrongAddress:
-        # an address needs no file; a name does
-        if text is None or not _is_numeric(text):
-            raise
-        robots, default = {}, ""
+    robots: dict[str, RobotAddress] = {}
+    default = ""
+    if cell is not None:
+        robots, default = _of_cell(cell)
+    elif text is None or not _is_numeric(text):  # an address needs no file: a stop waits for none
+        robots, default = _read(robots_file())
     if cell is not None and (default if text is None else text) not in robots:
         listed = ", ".join(robots) or "none"
         if text is None:
@@ -152,7 +151,7 @@ def _parsed(name: str, text: str) -> tuple[str, int | None]:
 
 def _is_numeric(text: str) -> bool:
     """Whether a text is an address of numbers, with or without a port."""
-    import ipaddress  # noqa: PLC0415 - only if the file is wrong
+    import ipaddress  # noqa: PLC0415 - quick stop
 
     try:
         ipaddress.ip_address(parse_address(text)[0])
