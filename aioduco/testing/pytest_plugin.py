@@ -40,6 +40,7 @@ import importlib.util
 import re
 import shutil
 import time
+import zlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -294,12 +295,14 @@ class _Line:
             self.options["record"] = self._folder / RECORDING
 
     def _made_folder(self) -> Path:
-        name = re.sub(r"[^\w.-]+", "_", self._request.node.nodeid)[-120:]
+        node: str = self._request.node.nodeid
+        name = re.sub(r"[^\w.-]+", "_", node)[-60:]
         base: str | None = self._request.config.getoption("duco_artefacts")
         if base is None:
             factory: pytest.TempPathFactory = self._request.getfixturevalue("tmp_path_factory")
-            return factory.mktemp("duco-" + name[-60:])
-        folder = Path(base) / name
+            return factory.mktemp("duco-" + name)
+        # by a number of its own: some names differ by signs alone
+        folder = Path(base) / f"{name}-{zlib.crc32(node.encode(errors='replace')):08x}"
         # A recording of an earlier run would be kept, and taken for that of this one.
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)

@@ -212,6 +212,22 @@ def test_a_fault_that_a_test_connects_past_is_an_error(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+def test_tests_whose_names_differ_by_signs_leave_files_of_their_own(tmp_path: Path) -> None:
+    """The folder of the first was deleted by the second; a long name was too long for a folder."""
+    (tmp_path / "test_signs.py").write_text(
+        "import pytest\n"
+        "@pytest.mark.parametrize('sign', ['+', '*'])\n"
+        f"def test_{120 * '臂'}(duco_sync_robot, sign): assert not sign\n",
+        encoding="utf-8",
+    )
+    left = tmp_path / "left"
+    words = ("-p", "no:cacheprovider", "--duco-artefacts", str(left), str(tmp_path))
+    done = python("-m", "pytest", *words, cwd=tmp_path)
+    assert "2 failed" in done.stdout, done.stdout + done.stderr
+    assert len([*left.iterdir()]) == 2
+
+
+@pytest.mark.slow
 def test_a_test_that_fails_again_leaves_its_last_run(tmp_path: Path) -> None:
     left = tmp_path / "left"
     for run in range(2):
