@@ -10,7 +10,9 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import contextvars
+import queue
 import selectors
 import sys
 import threading
@@ -37,6 +39,10 @@ _BETWEEN = frozenset(
         *("importlib", "sniffio"),
     }
 )
+#: those of them that call functions and wait in threads for the program
+_THREADS = frozenset({"threading", "concurrent", "anyio"})
+#: threads that the program began: the stack of a timer shows neither it nor this package
+_own: weakref.WeakSet[threading.Thread] = weakref.WeakSet()
 #: shortest blocking of an event loop that is a finding [s]: the heartbeat's usual limit
 BLOCKED = 1.0
 #: time between two checks of a wait with a time-out, by the wall clock [s]
@@ -62,6 +68,12 @@ def _asked_by_program(depth: int = 2) -> bool | None:
     return None
 
 
+def _asked_in_thread(depth: int) -> bool:
+    """The same, with the threads that the program began if the stack shows neither."""
+    asked = _asked_by_program(depth + 1)
+    return threading.current_thread() in _own if asked is None else asked
+
+
 def asked_by_package() -> bool:
     """Whether this package caused the event of an audit hook.
 
@@ -71,9 +83,11 @@ def asked_by_package() -> bool:
 
 
 def _by_program() -> bool:
-    """Whether the program called the replaced function directly."""
+    """Whether the program called the replaced function directly, or by a thread or a pool."""
     name = sys._getframe(2).f_globals.get("__name__", "")
     first = name.partition(".")[0]
+    if first in _THREADS:
+        return _asked_in_thread(3)
     return name.startswith("aioduco.cli") if first == "aioduco" else first not in _BETWEEN
 
 
@@ -224,16 +238,22 @@ def _threads(clock: ProgramClock) -> None:
     wait, notify = condition.wait, condition.notify
     start, join = thread.start, thread.join
     waits: dict[int, list[Wait]] = {}  # for each condition, whose lock protects the list
+    modules: tuple[Any, Any] = (threading, queue)
+    real = modules[0]._time
+
+    def time_of() -> float:
+        """The time of waits that begin anew until their time-out is over."""
+        return clock.now() if _asked_in_thread(2) else real()
 
     def waited(self: Any, timeout: float | None = None) -> Any:
-        by_program = timeout is not None and _asked_by_program()
+        by_program = timeout is not None and _asked_in_thread(2)
         end = clock.now() + timeout if timeout is not None and by_program else 0.0
-        with clock.waiting() as this:
+        standing = clock.standing_at(end) if by_program else contextlib.nullcontext()
+        with standing, clock.waiting() as this:
             waits.setdefault(id(self), []).append(this)
             try:
                 if not by_program:
                     return wait(self, timeout)
-                clock.at(end, lambda: None)
                 while not (notified := wait(self, _LOOK)) and clock.now() < end:
                     pass
                 return notified
@@ -248,6 +268,8 @@ def _threads(clock: ProgramClock) -> None:
         notify(self, n)
 
     def started(self: Any) -> None:
+        if _asked_in_thread(2):
+            _own.add(self)
         # it waits until the thread runs: on a busy computer that would be minutes of the program
         clock.call_begins()
         try:
@@ -256,14 +278,22 @@ def _threads(clock: ProgramClock) -> None:
             clock.call_ends()
 
     def joined(self: Any, timeout: float | None = None) -> None:
-        if not _asked_by_program():
+        if not _asked_in_thread(2):
             join(self, timeout)  # a thread of this package, which is about to end
             return
-        with clock.waiting():
-            join(self, timeout)
+        if timeout is None:
+            with clock.waiting():
+                join(self)
+            return
+        end = clock.now() + timeout
+        with clock.standing_at(end), clock.waiting():
+            while self.is_alive() and clock.now() < end:
+                join(self, _LOOK)
 
     condition.wait, condition.notify = waited, notified
     thread.start, thread.join = started, joined
+    for module, name in zip(modules, ("_time", "time"), strict=True):
+        setattr(module, name, time_of)
 
 
 def _coroutines(recorder: RunRecorder) -> None:

@@ -173,14 +173,39 @@ class ProgramClock:
             if self._quiet:
                 self._hold_until_next()
 
+    @contextlib.contextmanager
+    def standing_at(self, when: float, fire: Callable[[], object] = lambda: None) -> Iterator[None]:
+        """Let time stand from a moment on, until the thread that waits for it leaves the block.
+
+        Args:
+            when: the moment [s].
+            fire: called then.
+        """
+        stands = over = False
+
+        def stand() -> None:
+            nonlocal stands
+            if not over:
+                stands = True
+                self.call_begins()
+            fire()
+
+        self.at(when, stand, lambda: not over)
+        try:
+            yield
+        finally:
+            with self._state:
+                over = True
+                if stands:
+                    self.call_ends()
+
     def sleep(self, seconds: float) -> None:
         """Let `seconds` of the program's time pass."""
         if self._simulator is None:
             self._offset += max(0.0, seconds)
             return
         over = threading.Event()
-        self.at(self.now() + seconds, over.set)
-        with self.waiting():
+        with self.standing_at(self.now() + seconds, over.set), self.waiting():
             over.wait()
 
     def slept_until(self, passed: float) -> float:

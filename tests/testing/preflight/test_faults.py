@@ -90,6 +90,50 @@ def test_a_program_that_waits_for_its_own_thread_does_not_hang(tmp_path: Path) -
     assert report.duration > 8.0
 
 
+WAITS = """
+import concurrent.futures, contextlib, queue, threading, time
+import aioduco.sync
+
+never, fired, condition = threading.Event(), threading.Event(), threading.Condition()
+idle = threading.Thread(target=never.wait, daemon=True)
+
+def get():
+    with contextlib.suppress(queue.Empty):
+        queue.Queue().get(timeout=2.0)
+
+def wait_for():
+    with condition:
+        condition.wait_for(never.is_set, 2.0)
+
+def timer():
+    threading.Timer(2.0, fired.set).start()
+    fired.wait()
+
+def pool():
+    with concurrent.futures.ThreadPoolExecutor() as pool, contextlib.suppress(TimeoutError):
+        done = pool.submit(time.sleep, 2.0)
+        next(concurrent.futures.as_completed([done], 1.0))
+    assert done.done()
+
+with aioduco.sync.connect("192.168.1.10"):
+    idle.start()
+    for call in (
+        *(lambda: never.wait(2.0), lambda: threading.Semaphore(0).acquire(timeout=2.0)),
+        *(lambda: idle.join(2.0), get, wait_for, timer, pool),
+    ):
+        begin = time.monotonic()
+        call()
+        assert 1.99 < time.monotonic() - begin < 10.0, (call, time.monotonic() - begin)
+"""
+
+
+def test_waits_of_threads_end_at_their_time(tmp_path: Path) -> None:
+    path = tmp_path / "waits.py"
+    path.write_text(WAITS)
+    report = preflight(path, (), PreflightSettings(timeout=110), quiet=True)
+    assert report.ok, report.findings
+
+
 NOBODY_GETS = """
 import asyncio, sys, threading, aioduco
 
