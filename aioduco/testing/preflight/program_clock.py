@@ -204,9 +204,11 @@ class ProgramClock:
         if self._simulator is None:
             self._offset += max(0.0, seconds)
             return
-        over = threading.Event()
-        with self.standing_at(self.now() + seconds, over.set), self.waiting():
-            over.wait()
+        # No event: its wait would want the clock with a lock in hand, which the clock wants then.
+        over = threading.Lock()
+        over.acquire()
+        with self.standing_at(self.now() + seconds, over.release), self.waiting():
+            over.acquire()
 
     def slept_until(self, passed: float) -> float:
         """When the last sleep ended that began up to a time since the start [s]; now if one is on.

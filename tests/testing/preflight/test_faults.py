@@ -134,6 +134,24 @@ def test_waits_of_threads_end_at_their_time(tmp_path: Path) -> None:
     assert report.ok, report.findings
 
 
+SLEEPS = """
+import time
+import aioduco.sync
+
+with aioduco.sync.connect("192.168.1.10"):
+    for _ in range(10_000):
+        time.sleep(0.0005)
+"""
+
+
+@pytest.mark.slow
+def test_short_sleeps_of_a_program_that_polls_do_not_hang(tmp_path: Path) -> None:
+    """One in some thousands waited for the clock, which waited for it."""
+    path = tmp_path / "sleeps.py"
+    path.write_text(SLEEPS)
+    assert preflight(path, (), PreflightSettings(timeout=110), quiet=True).ok
+
+
 NOBODY_GETS = """
 import asyncio, sys, threading, aioduco
 
