@@ -129,7 +129,7 @@ def marks(run: RecordedRun) -> list[tuple[float, str]]:
     for message in run.messages("/commands", "/events"):
         if message.topic == "/events":
             found.append((message.time, str(message.data["event"])))
-        elif message.data["lane"] in ("motion", "stop", "control"):
+        elif message.data["lane"] in ("motion", "blocking", "stop", "control"):
             failed = " failed" if message.data["error"] else ""
             found.append((message.time, f"{message.data['function']}{failed}"))
     return found

@@ -28,7 +28,7 @@ from aioduco.errors import ConnectionLost
 from aioduco.recording import RecordedMessage, read
 from aioduco.recording.channels import ANGLE
 from aioduco.recording.container import DATA_END, MAGIC
-from aioduco.recording.figures import draw_page, draw_png, drawn, panels
+from aioduco.recording.figures import draw_page, draw_png, drawn, marks, panels
 from aioduco.sim import Simulator
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
@@ -140,6 +140,13 @@ class Plain(Strange):
         if topic == "/wrench":
             return times | {f"force.{axis}": np.zeros(2) for axis in "xyz"}
         return times | {"position": np.ones((2, 6)), "velocity": np.full((2, 6), np.nan)}
+
+
+@for_each("lane, marked", [("motion", True), ("blocking", True), ("call", False)])
+def test_motions_are_marked_whichever_call_makes_them(lane: str, marked: bool) -> None:
+    command = {"lane": lane, "error": "", "function": "movej2"}
+    run: Any = SimpleNamespace(messages=lambda *_: [RecordedMessage("/commands", 0.5, 0, command)])
+    assert marks(run) == [(0.5, "movej2")] * marked
 
 
 def test_a_panel_of_zeros_is_left_out_unless_there_is_no_other() -> None:
