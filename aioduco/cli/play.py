@@ -61,7 +61,7 @@ def play(
         begin: Begin there in the recording [s].
         end: End there in the recording [s].
         bridge: Bridge gaps in which the arm is known to within this [rad].
-        outputs: Also set the digital outputs that changed.
+        outputs: Also set the digital outputs that changed on the way.
         record: Record what the arm does to this file.
         envelope: Limits to keep to, besides those of --cell: TOML, see docs.
         check: Print the reasons against playing it; move nothing.

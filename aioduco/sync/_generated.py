@@ -6667,9 +6667,10 @@ def play(
         path: the path.
         approach: joint speed of one joint motion that first moves the arm to the begin of the path
             [rad/s]; None: the arm must already be there, within 0.01 rad for each joint.
-        outputs: whether to set the cabinet's digital outputs as they changed in the recording, with
-            an error of about 0.1 s. With the realtime queue they are set early, by the time that
-            points are sent ahead. If an output cannot be set, the arm is brought to rest.
+        outputs: whether to set the cabinet's digital outputs that changed on the way, not before or
+            after it, with an error of about 0.1 s. With the realtime queue they are set early, by
+            the time that points are sent ahead. If an output cannot be set, the arm is brought to
+            rest.
         arm: the arm, or the name of its model; None for the one that the controller reports.
         through: as for `robot.motion.follow_joint_trajectory`.
         tolerances: largest distance of the arm from the path; None: 0.05 rad, and 5 mrad at its
