@@ -251,6 +251,8 @@ class RecordingWriter(MessageWriter["FileChannels"]):
         self._figures = figures
         self._buffer = ChunkBuffer()
         self._file = -1
+        #: messages in whole chunks of the file
+        self._saved = 0
 
     @property
     def target(self) -> str:
@@ -279,6 +281,7 @@ class RecordingWriter(MessageWriter["FileChannels"]):
     def _save(self, channels: FileChannels) -> None:
         channels.flush()
         self._write_out()
+        self._saved = channels.messages
 
     def _end(self, channels: FileChannels) -> None:
         channels.metadata("aioduco.end", self._figures())
@@ -289,6 +292,7 @@ class RecordingWriter(MessageWriter["FileChannels"]):
         if self.error is not None:
             with contextlib.suppress(OSError):
                 os.ftruncate(self._file, self.size)
+            self.written = self._saved
         with contextlib.suppress(Exception):
             channels.close()  # after an error this does not complete the file
         with contextlib.suppress(OSError):

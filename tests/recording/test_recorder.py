@@ -469,7 +469,7 @@ async def main(port, path):
         await robot.motion.movej2([0, 0, 1.5, 0, -1.5, 0], v=1.0, a=1.0)
         error = robot.recording.error
         assert isinstance(error, OSError), error
-        print(type(error).__name__, figures().size, full)
+        print(type(error).__name__, figures().size, full, figures().written)
 
 anyio.run(main, int(sys.argv[1]), sys.argv[2])
 """
@@ -481,13 +481,14 @@ def test_a_full_disk_ends_the_recording_and_not_the_program(bench: Bench, tmp_pa
     done = python("-c", _FULL, str(bench.port), str(path))
     assert done.returncode == 0, done.stderr
     assert "ended early" in done.stderr
-    name, size, full = done.stdout.split()
+    name, size, full, written = done.stdout.split()
     assert name == "OSError"
     # It is cut off behind its last whole chunk.
     assert path.stat().st_size == int(size) <= int(full)
     run = read(path)
     assert not run.complete
     assert run.topics["/joint_states"] > 10
+    assert sum(run.topics.values()) == int(written)
 
 
 _KILLED = """
