@@ -115,10 +115,9 @@ def play(
             task.check()
             return
         address = None if host is None else robot_at(host, port, cell)
-        if simulates:
-            task.simulate(around, address)
+        here = task.simulate(around, address) if simulates else None
         if address is not None:
-            task.on_arm(address, only_check=check, yes=yes)
+            task.on_arm(address, here, only_check=check, yes=yes)
 
 
 def _refuse_unused(

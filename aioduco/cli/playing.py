@@ -71,15 +71,21 @@ class PlayedFile:
             _report(check_waypoints(self.content, known, envelope=limits))
         say(_NOTHING)
 
-    def simulate(self, around: dict[str, Any], address: RobotAddress | None) -> None:
-        """Play it on a simulated arm, such as the one at an address; errors there are raised."""
+    def simulate(self, around: dict[str, Any], address: RobotAddress | None) -> Joints | None:
+        """Play it on a simulated arm, such as the one at an address; errors there are raised.
+
+        Returns:
+            Where the one at the address is, and the simulated one began [rad]; None without one.
+        """
         from aioduco.sim import Simulator  # noqa: PLC0415 - it loads MuJoCo
 
-        told = self.model if self.model or address is None else _reported(address)
-        model = told or "gcr5_910"
+        told, here = (None, None) if address is None else _seen(address)
+        model = self.model or told or "gcr5_910"
         say(f"on a simulated {model}: {self}")
         options = {**around, "model": model}
-        if isinstance(self.content, RecordedPath):
+        if here is not None:
+            options["joints"] = list(here)
+        elif isinstance(self.content, RecordedPath):
             options["joints"] = list(self.content.start)
         record = self.record if address is None else None
         with (
@@ -90,9 +96,19 @@ class PlayedFile:
             robot.bring_up()
             robot.envelope = self.envelope
             self._play(robot)
+        return here
 
-    def on_arm(self, address: RobotAddress, *, only_check: bool, yes: bool) -> None:
-        """Check it, ask, and play it on the real arm."""
+    def on_arm(
+        self, address: RobotAddress, here: Joints | None, *, only_check: bool, yes: bool
+    ) -> None:
+        """Check it, ask, and play it on the real arm, if this still is where it was rehearsed.
+
+        Args:
+            address: address of its controller.
+            here: where it was at the rehearsal [rad]; None without one.
+            only_check: whether to end after the check.
+            yes: whether not to ask.
+        """
         # No heartbeat: another program may still lead the arm.
         with observing_session(address) as robot:
             _report(self._against(robot))
@@ -100,7 +116,7 @@ class PlayedFile:
                 say(_NOTHING)
                 return
             states = robot.state.get_robot_state()
-            here = robot.state.get_actual_joints_position()
+            here = here or robot.state.get_actual_joints_position()
             text = f"{self} at {address} ({states}): {self._announced(here)}\n{SAFE}"
         ask(text, "Move the arm?", yes=yes)
         with control_session(address) as robot:
@@ -151,11 +167,11 @@ class PlayedFile:
         say("1 waypoint was reached" if count == 1 else f"{count} waypoints were reached")
 
 
-def _reported(address: RobotAddress) -> str | None:
-    """The model that a controller reports; None if it reports none, or an unknown one."""
+def _seen(address: RobotAddress) -> tuple[str | None, Joints]:
+    """The model that a controller reports, None if it is no known one, and where its arm is."""
     with observing_session(address) as robot:
         found = reported_arm(robot)
-    return None if found is None else found.name
+        return None if found is None else found.name, robot.state.get_actual_joints_position()
 
 
 def _say_where(recording: Recording | None) -> None:

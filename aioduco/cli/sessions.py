@@ -114,7 +114,7 @@ def require_still_at(robot: Robot, joints: JointsLike, pose: Pose | None = None)
         what = "the tip of its tool, or its work object,"
     if what:
         fail(
-            f"{what} is elsewhere than when the question was asked: nothing was sent that moves "
+            f"{what} is elsewhere than before the question was asked: nothing was sent that moves "
             "the arm. Give the command again"
         )
 

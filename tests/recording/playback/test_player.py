@@ -454,6 +454,22 @@ def test_a_file_for_any_arm_is_rehearsed_on_the_one_that_the_controller_reports(
 
 
 @pytest.mark.slow
+def test_the_way_to_the_begin_is_rehearsed_from_where_the_arm_is(tmp_path: Path) -> None:
+    """The rehearsal began at the path's begin: the arm hit what stood on its way there."""
+    file, scene = write(tmp_path / "run.mcap"), tmp_path / "scene.xml"
+    post = '<geom type="box" size=".03 .03 .6" pos="0 .35 .6"/>'
+    scene.write_text(f"<mujoco><worldbody>{post}</worldbody></mujoco>")
+    beside = [3.0, *HOME[1:]]
+    with Simulator(joints=beside) as sim:
+        to = (sim.host, "--port", str(sim.port), "--yes", "--scene", str(scene))
+        ended = run("play", str(file), *to)
+        assert sim.joints.almost_equal(beside, 1e-3)
+        assert not sim.tasks
+    assert ended.exit_code == 1, ended.output
+    assert "touches a thing" in ended.stderr
+
+
+@pytest.mark.slow
 def test_play_keeps_to_an_envelope(tmp_path: Path) -> None:
     file = str(write(tmp_path / "run.mcap"))
     kept = tmp_path / "cell.toml"
