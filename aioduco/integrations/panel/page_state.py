@@ -27,8 +27,6 @@ def page_sample(sample: Snapshot) -> dict[str, Any]:
         "pose": _rounded(status.pose, 5),
         "tool_speed": _length(status.tool_speed.tolist()[:3]),
         "force": None if forces is None else _rounded(forces.tool.tolist(), 2),
-        "torque": None if forces is None else _rounded(forces.external_torques.tolist(), 2),
-        "temperatures": _rounded(status.joint_temperatures.tolist(), 0),
         "inputs": _bits(io.digital_inputs),
         "outputs": _bits(io.digital_outputs),
         "tool_inputs": _bits(io.tool_inputs),

@@ -345,7 +345,6 @@ class Panel(Uncopied):
             "model": self._arm.name,
             "lower": self._arm.lower,
             "upper": self._arm.upper,
-            "fastest": self._arm.velocity,
             "watch_only": not self.token,
             "twin": self.twin is not None,
             "simulator": self._simulator_port is not None,
@@ -645,11 +644,9 @@ class Panel(Uncopied):
     async def _ask_seldom(self) -> None:
         robot = self._observer
         async for _ in every(_SELDOM):
-            errors = await _asked(robot.state.get_last_error)
             self._seldom |= {
                 "project": await _asked(robot.program.get_current_project) or "",
                 "speed": await _asked(robot.settings.get_global_speed),
-                "errors": list(errors or ()),
                 "pages": self._server.pages,
             }
             # last: pages take it for where the tool is, while the arm stands
