@@ -118,7 +118,11 @@ def _name_parts(spec: Any) -> None:
 
 def _parts(spec: Any, name: str) -> list[str]:
     """The names of a body and of its parts; of a tool, all of its bodies."""
-    return [b.name for b in spec.bodies if b.name == name or b.name.startswith(f"{name}/")]
+    body = spec.body(name)
+    if body is None:  # a floor that is a geom of another body
+        return []
+    inside = body.find_all(mujoco.mjtObj.mjOBJ_BODY)
+    return [name, *(b.name for b in inside if b.name.startswith(f"{name}/"))]
 
 
 def _body(spec: Any, name: str) -> str:

@@ -223,6 +223,15 @@ def test_a_sprung_table_is_allowed_to_be_touched_as_a_whole() -> None:
     assert not scene.collides(READY)
 
 
+def test_a_thing_whose_name_begins_as_that_of_another_is_not_allowed_with_it() -> None:
+    shelf = Box(at=(-0.5, 0.1405, 0.4), size=(0.1, 0.1, 0.1), name="shelf")
+    box = Box(at=(0.492, 0.1405, 0.43), size=(0.1, 0.1, 0.1), name="shelf/left")
+    scene = Scene("gcr5_910", [shelf, box])
+    for body in ("link4", "link5", "link6", "flange"):
+        scene.allow("shelf", body)
+    assert scene.collides(READY)
+
+
 def test_who_may_touch_the_floor_touches_other_things_of_the_world_all_the_same() -> None:
     """Fixed things of an MJCF file that are in no body were invisible to it."""
     wall = '<geom name="wall" type="box" pos="0.492 0.1405 0.4" size="0.1 0.1 0.1"/>'
