@@ -104,7 +104,7 @@ class Predictor:
         said = self.rehearsal.command(command)
         if command.function in HALTS:
             # where the arm comes to rest depends on milliseconds
-            self.rehearsal.hide(f"{command.function} was called")
+            self.rehearsal.hide(f"{command.function} was called", command.time)
         return said
 
     def deviation(self, sample: TwinSample) -> Deviation:
@@ -156,6 +156,8 @@ class Predictor:
         self._waiting = waiting = [each for each in waiting if each.time > at - _UNDERWAY]
         if moving or not enabled or sample.led or sample.program not in _AT_REST:
             return
+        if at < rehearsal.unknown_since + _UNDERWAY:
+            return  # the arm has not begun to move yet
         if all(each.time > at for each in waiting):
             # nothing is under way to the arm: what waits was sent after this sample
             rehearsal.begin(sample.expected, at)

@@ -96,6 +96,8 @@ class Rehearsal:
 
     Attributes:
         blind: why nothing is predicted now; empty if it is.
+        unknown_since: time of the last command that may move the arm in a way that is not
+            rehearsed [s].
     """
 
     def __init__(self, arm: Arm) -> None:
@@ -104,6 +106,7 @@ class Rehearsal:
         self._settings: dict[tuple[str, Any], tuple[Any, ...]] = {}
         self._run: _Run | None = None
         self.blind: str = "the arm was not seen standing yet"
+        self.unknown_since: float = -math.inf
 
     @property
     def idle(self) -> bool:
@@ -120,10 +123,11 @@ class Rehearsal:
         """Joints of the set-point and their speeds [rad, rad/s]; None while it is blind."""
         return None if self._run is None else self._run.setpoint
 
-    def hide(self, why: str) -> None:
-        """Predict nothing until the next `begin`."""
+    def hide(self, why: str, since: float = -math.inf) -> None:
+        """Predict nothing until the next `begin`; `since` as `unknown_since`."""
         self.blind = why
         self._run = None
+        self.unknown_since = max(self.unknown_since, since)
 
     def begin(self, q: Six, time: float) -> None:
         """Begin with an enabled arm that stands at q [rad]."""
@@ -146,8 +150,8 @@ class Rehearsal:
             self._settings.pop((function, name), None)
             self._settings[function, name] = arguments
         elif function not in PATHS and function not in HALTS:
-            if function.startswith(_UNKNOWN_WAYS) and command.accepted:
-                self.hide(f"{function} is not rehearsed")
+            if function.startswith(_UNKNOWN_WAYS) and command.accepted is not False:
+                self.hide(f"{function} is not rehearsed", command.time)
             return None
         if self._run is None:
             return None
@@ -157,10 +161,10 @@ class Rehearsal:
         if accepted is not True:
             if command.accepted:
                 # a tool of the pendant, for instance, is not known here
-                self.hide(f"{function} cannot be rehearsed: {self._run.reason}")
+                self.hide(f"{function} cannot be rehearsed: {self._run.reason}", command.time)
             return accepted
         if not command.accepted:
-            self.hide(f"{function} was not accepted")
+            self.hide(f"{function} was not accepted", command.time)
         return True
 
     def advance(self, time: float) -> None:

@@ -17,6 +17,7 @@ from aioduco.models.pose import Pose
 from aioduco.sim.twin.data import Cause, Divergence, Quantity, TwinCommand
 from aioduco.sim.twin.limits import TwinLimits, deviations, learn
 from aioduco.sim.twin.monitor import TwinMonitor
+from aioduco.sim.twin.predictor import Timeline
 
 from .arms import ARM, NOWHERE, READY, PerfectArm, movej2, work
 
@@ -190,6 +191,29 @@ def test_a_stream_is_not_judged_by_its_path() -> None:
     arm.another(*movej2(*THERE))
     assert said(watching, work(arm)) == []
     assert "stream" in watching.figures.blind
+
+
+@for_each(
+    "function, accepted",
+    [("speedj", True), ("teach_mode", True), ("speedj", None), ("movej2", None), ("resume", True)],
+)
+def test_a_motion_that_is_not_rehearsed_is_still_this_programs(
+    function: str, accepted: bool | None
+) -> None:
+    """The rehearsal began again before the arm moved, as if nothing had been commanded."""
+    arm, watching, line = rubbed(), monitor(), Timeline()
+    assert said(watching, work(arm)) == []
+    _, arguments = movej2(*THERE)
+    for _ in range(12):
+        line.put(arm.sample())
+    line.put(TwinCommand(arm.time, function, arguments, accepted))
+    arm.another("movej2", arguments)
+    line.put(arm.sample())
+    while not arm.stands:
+        line.put(arm.sample())
+    assert said(watching, line.rest()) == []
+    assert said(watching, work(arm)) == []
+    assert not watching.figures.blind
 
 
 def test_a_collision_is_a_contact() -> None:
