@@ -261,7 +261,10 @@ def _bridged(run: RecordedRun, gaps: tuple[RecordedGap, ...], bridge: float) -> 
     gap = wide[0]
     further = f" There are {len(wide)} such gaps." if len(wide) > 1 else ""
     largest = max(each.off for each in wide)
-    helps = "Record it again, on a computer that is less busy; or play"
+    helps = (
+        "Record it again, with 20 samples a second or more, on a computer that is less busy; or "
+        "play"
+    )
     if np.isfinite(largest) and largest < _BRIDGE.high:
         helps += f" with bridge (--bridge) {math.ceil(largest * 1e4) / 1e4:g} rad, or"
     raise RecordingError(

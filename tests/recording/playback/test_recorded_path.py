@@ -78,6 +78,15 @@ def test_slow_motions_are_whole_at_each_rate_of_samples(
     assert path.gaps == ()
 
 
+def test_a_recording_of_too_few_samples_says_how_many_are_needed(tmp_path: Path) -> None:
+    """It was said to be of a computer that was too busy."""
+    few = write(tmp_path / "few.mcap", taken=np.arange(0.0, 2.5, 0.2))
+    with pytest.raises(aioduco.RecordingError, match="with 20 samples a second or more"):
+        RecordedPath.of(read(few))
+    enough = write(tmp_path / "enough.mcap", taken=np.arange(0.0, 2.5, 0.05))
+    assert RecordedPath.of(read(enough)).gaps == ()
+
+
 @pytest.mark.slow
 def test_samples_that_were_received_late_make_no_shaking_path(tmp_path: Path) -> None:
     chance = np.random.default_rng(5)
