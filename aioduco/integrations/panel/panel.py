@@ -67,6 +67,7 @@ from aioduco.integrations.panel.page_state import (
     history_point,
     page_sample,
 )
+from aioduco.integrations.panel.page_stops import PageStops
 from aioduco.integrations.panel.simulator_port import ask_simulator
 from aioduco.integrations.panel.twin_view import TWIN_RATE, parted_text, twin_line
 from aioduco.kinematics import arm as arm_of
@@ -108,8 +109,6 @@ _KEPT_RATE: Final = 5.0
 _SILENT: Final = 1.0
 #: events that only the robot that commands the arm reports
 _OF_COMMANDER: Final = (events.EnvelopeLeft, events.EnvelopeUnwatched, events.HeartbeatChanged)
-#: number of stops that are sent or confirmed at a time; further ones are joined
-_MOST_STOPS: Final = 4
 #: model that is drawn if neither the controller nor a scene or an envelope says which one it is
 _DRAWN_AS: Final = "gcr5_910"
 #: function of the robot that errors name -> the page's button for it
@@ -121,18 +120,6 @@ _BUTTONS: Final = {
     "resume": "Resume",
     "envelope": "the envelope in the file that gives it",
 }
-
-
-class _Stopping:
-    """One stop that pages asked for, and how it ended."""
-
-    def __init__(self) -> None:
-        self.over = anyio.Event()
-        self.failed = ""
-
-    def end(self, failed: str) -> None:
-        self.failed = failed
-        self.over.set()
 
 
 class Panel(Uncopied):
@@ -213,9 +200,12 @@ class Panel(Uncopied):
         self._directions = directions
         self._hold_limit = hold_limit
         self._lease = ControlLease(self.token, hold_limit=hold_limit, page_limit=page_limit)
+        self._stops = PageStops(
+            self._stop, lambda: self._apply(self._lease.stop()), self._stop_ended
+        )
         self._server = PageServer(
             LISTEN_HOST("bind", bind), listen, self._hello, self._take, self._left,
-            self._stop_for_all, self._show_picture,
+            self._stops.carry_out, self._show_picture,
         )  # fmt: skip
         self._twin_limits = twin
         states = max(rate, 10.0 if twin is False else TWIN_RATE)
@@ -235,8 +225,6 @@ class Panel(Uncopied):
         self._resumed = False
         self._aim: tuple[float, ...] | None = None
         self._busy: list[str] = []
-        self._stops: set[_Stopping] = set()
-        self._next_stop: _Stopping | None = None
         self._wrong_tokens: list[str] = []
         self._sample: Snapshot | None = None
         self._told: dict[str, Any] = {}
@@ -290,7 +278,7 @@ class Panel(Uncopied):
                 await stack.enter_async_context(self.twin)
             # last: pages that wait for a panel come at once
             await stack.enter_async_context(self._server.listening())
-            self._all = group = await anyio.create_task_group().__aenter__()
+            self._all = self._stops.tasks = group = await anyio.create_task_group().__aenter__()
             stack.push_async_callback(self._end_work, group)
             for work in (self._samples, self._happenings, self._ask_seldom, self._tell):
                 group.start_soon(work)
@@ -305,7 +293,7 @@ class Panel(Uncopied):
         """Cancel all tasks; an error of the caller's block stays unchanged."""
         group.cancel_scope.cancel()
         await group.__aexit__(None, None, None)
-        self._all = None
+        self._all = self._stops.tasks = None
 
     async def _identify_arm(self) -> None:
         """Find out which arm it is, and whether there is a simulator."""
@@ -365,7 +353,7 @@ class Panel(Uncopied):
             self._server.send(page, {"tell": "refused", "reason": str(error)})
             return
         if isinstance(request, PageStop):  # before all other requests
-            self._begin_stop()
+            self._stops.begin()
             return
         now = time.monotonic()
         lease = self._lease
@@ -435,50 +423,24 @@ class Panel(Uncopied):
 
     # -- actions ---------------------------------------------------------------------------------
 
-    def _begin_stop(self) -> _Stopping:
-        """Send a stop, or join one that is not sent yet: a flood of stops is few of them."""
-        if self._next_stop is not None:
-            return self._next_stop
-        stopping = _Stopping()
-        if self._all is None:
-            stopping.end("the panel is not connected")
-            return stopping
-        if len(self._stops) < _MOST_STOPS:
-            self._stops.add(stopping)
-            self._all.start_soon(self._stop, stopping)
-        else:
-            self._next_stop = stopping
-        self._apply(self._lease.stop())
-        return stopping
-
-    async def _stop(self, stopping: _Stopping) -> None:
+    async def _stop(self) -> str:
+        """Stop the arm for a page; returns the reason if that failed."""
         self._busy.append("stop")
         self._resumed = False
-        failed = "the panel has ended"
         try:
             # what a page commanded may still be on its way: its robot's stop waits for that
             commander = () if self._commander is None else (self._commander,)
             await aioduco.stop_all((self._observer, *commander))
-            failed = ""
         except StopsUnconfirmed as error:
-            failed = f"stop failed: {error.__cause__}"  # of the one arm: the first robot's reason
+            return f"stop failed: {error.__cause__}"  # of the one arm: the first robot's reason
         finally:
             self._busy.remove("stop")
-            self._lease.stop_ended()
-            self._stops.remove(stopping)
-            stopping.end(failed)
-            after, self._next_stop = self._next_stop, None
-            if after is not None and self._all is not None:
-                self._stops.add(after)
-                self._all.start_soon(self._stop, after)
+        return ""
+
+    def _stop_ended(self, failed: str) -> None:
+        self._lease.stop_ended()
         if not self._stops:
             self._note(failed or "stopped: the arm stands", "alarm" if failed else "good")
-
-    async def _stop_for_all(self) -> str:
-        """Stop the arm for a request without a page; returns the reason if that failed."""
-        stopping = self._begin_stop()
-        await stopping.over.wait()
-        return stopping.failed
 
     async def _show_picture(self, connection: ServerConnection) -> None:
         if self._scene is not None:
@@ -502,8 +464,7 @@ class Panel(Uncopied):
                 finally:
                     self._commander = self._work = None
                     with anyio.CancelScope(shield=True):
-                        for stopping in tuple(self._stops):  # they need this robot
-                            await stopping.over.wait()
+                        await self._stops.over()  # they need this robot
                     if self._resumed:  # not a motion of this robot, but this lease resumed it
                         self._resumed = False
                         with anyio.CancelScope(shield=True):
