@@ -61,7 +61,8 @@ def panel(
         watch_only: Pages can only watch, and stop the arm.
         model: Arm to draw. Default: the one that the controller reports, or else the cell's.
         rate: States per second.
-        hold_limit: Seconds until a button of a page that is silent or late counts as released.
+        hold_limit: Seconds until a button of a page that is silent or late counts as released, two
+            states or more.
         manual: How the controller understands + and - of jogs; its version says it.
         control_port: Port for commands of a simulator on this computer. Default: port + 10000.
     """

@@ -145,7 +145,7 @@ class Panel(Uncopied):
         simulator_port: a simulator's port for commands, on this computer; None for none.
         rate: states per second that are sent to pages, 2 to 50 [Hz].
         hold_limit: seconds for which a motion continues after the sending time of the newest state
-            that its page confirmed, 0.1 to 600.
+            that its page confirmed: 0.1 to 600, and 2 / rate or more if a page may command.
         page_limit: seconds without a keep-alive message or a button press of its page after which a
             lease ends, 0.5 to 600.
         directions: the controller's meaning of the directions of a jog; None: as its version says.
@@ -183,7 +183,9 @@ class Panel(Uncopied):
         **options: Any,
     ) -> None:
         rate = Number(2.0, 50.0, "Hz", source="this package")("rate", rate)
-        hold_limit = Number(0.1, 600.0, "s", source="this package")("hold_limit", hold_limit)
+        # a page confirms a state when it gets it: with fewer, each motion would end at once
+        least = 0.1 if token == "" else max(0.1, 2.0 / rate)
+        hold_limit = Number(least, 600.0, "s", source="this package")("hold_limit", hold_limit)
         page_limit = Number(0.5, 600.0, "s", source="this package")("page_limit", page_limit)
         if directions is not None and not isinstance(directions, JogDirections):
             raise ParameterError("directions", directions, "a member of JogDirections, or None")

@@ -343,11 +343,12 @@ async def test_the_arm_of_the_envelope_is_shown_where_the_controller_tells_none(
 async def test_wrong_arguments_and_no_controller() -> None:
     for wrong in (
         {"rate": 0.0}, {"hold_limit": 0.0}, {"page_limit": float("nan")}, {"model": "gcr99"},
-        {"directions": 1},
+        {"directions": 1}, {"rate": 2.0, "hold_limit": 0.4},
     ):  # fmt: skip
         options: dict[str, Any] = wrong
         with pytest.raises(ParameterError):
             Panel("127.0.0.1", 1, **options)
+    assert Panel("127.0.0.1", 1, rate=2.0, token="").rate == 2.0, "it only watches"
     with pytest.raises(ConnectError):
         async with (panel := Panel("127.0.0.1", 1, **PATIENT)):
             pass
