@@ -83,11 +83,12 @@ async def execute(
                 pair=followed.obstructed.clearance.pair,
                 joints=followed.obstructed.joints,
             )
-        limits = plan.limits
+        # Along a line the tool's speed was asked for, which the limits of the joints do not have.
+        limits, fastest = plan.limits, max(float(plan.rates.max()), JOINT_SPEED.low)
         plan = await planner.plan(
             here,
             plan.end,
-            v=limits.velocity,
+            v=[min(each, fastest) for each in limits.velocity],
             a=limits.acceleration,
             jerk=limits.jerk,
             upright=plan.upright,

@@ -126,6 +126,12 @@ class Plan:
         """Joints at the end."""
         return Joints.of(self.trajectory.positions[-1])
 
+    @property
+    def rates(self) -> Points:
+        """Speed of the fastest joint between two points of the trajectory [rad/s]. Shape (n-1,)."""
+        turned = np.abs(np.diff(self.trajectory.positions, axis=0)).max(axis=1)
+        return np.asarray(turned / np.diff(self.trajectory.times))
+
     def at(self, time: float) -> Joints:
         """Joints at a time [s]; before and after the plan, those of its start and end."""
         return Joints.of(self._curve().at(np.array([FINITE("time", time)]))[0])
@@ -219,7 +225,7 @@ class Plan:
         tips = (self.arm.fkine(q[rows]) @ self.tip)[:, :3, 3]
         lengths = np.linalg.norm(np.diff(tips, axis=0), axis=1)
         most = min(self.limits.velocity)
-        rates = np.abs(np.diff(q, axis=0)).max(axis=1) / np.diff(self.trajectory.times)
+        rates = self.rates
         speeds = [
             float(np.clip(rates[one:other].max(), JOINT_SPEED.low, most))
             for one, other in pairwise(rows)

@@ -381,7 +381,8 @@ class Motion(_Section):
                 motion, the rest of the path is checked; if that is not free any more, the arm is
                 brought to rest on the path.
             planner: a `Planner`, only with `watch`: it then plans a path from there to the same
-                end, which the arm follows instead; upright if the plan is.
+                end, which the arm follows instead: upright if the plan is, and with no joint
+                faster than the plan's fastest.
             through: "realtime" for the controller's realtime queue, "servoj" for one call per
                 set-point, "auto" for the queue if this controller has one, else servoj; "blended"
                 for joint motions of the controller that blend, nowhere faster than the plan,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import math
 from collections import Counter
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
@@ -199,6 +200,8 @@ async def test_an_upright_tool_stays_upright_on_the_way_round(
                 )
             scene.remove("board")
     assert [options["upright"] for options in asked] == [True, False]
+    # the plan has 100° in 2 s, and limits of 1 rad/s
+    assert asked[0]["v"] == pytest.approx([math.radians(50.0)] * 6)
 
 
 async def test_a_scene_is_watched_while_the_program_has_all_threads_of_anyio() -> None:
