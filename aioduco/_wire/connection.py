@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 import warnings
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 from aioduco._wire import codec, idl
 from aioduco._wire.deadline_socket import DeadlineSocket
@@ -14,7 +14,6 @@ from aioduco._wire.forks import fork_hooks
 from aioduco._wire.framing import Malformed
 from aioduco._wire.idempotence import CallKind, call_kind
 from aioduco._wire.lifecycle import ConnectionState, Lifecycle, Progress
-from aioduco._wire.rpc import RpcClient
 from aioduco.errors import ConnectError, ConnectionLost, NotSent
 from aioduco.models.host_port import host_port
 
@@ -22,9 +21,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from aioduco._wire.endpoint import Address, Endpoint
-
-#: seconds within which a call through `Connection.rpc` must be answered
-_CALL_TIMEOUT: Final = 2.0
 
 
 class Connection:
@@ -165,11 +161,6 @@ class Connection:
             self._endpoint.route.address = address[-1]
             return
         raise error
-
-    @property
-    def rpc(self) -> RpcClient:
-        """The functions of the wire, each with a time limit of two seconds."""
-        return RpcClient(lambda name, args: self.call(name, args, _CALL_TIMEOUT))
 
     def call(
         self,

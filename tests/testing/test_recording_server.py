@@ -6,6 +6,7 @@ import pytest
 
 from aioduco._wire.connection import Connection
 from aioduco._wire.endpoint import Endpoint
+from aioduco._wire.rpc import RpcClient
 from aioduco.errors import ControllerError
 from aioduco.sim.refusal import Refusal
 from aioduco.testing import RecordingServer, no_leaks
@@ -18,13 +19,14 @@ def test_answers_as_it_was_told_and_remembers() -> None:
     with no_leaks(), RecordingServer({"read_word_reg": lambda num: num + 1, "stop": 0}) as server:
         connection = Connection(Endpoint(server.host, server.port))
         connection.open()
-        assert connection.rpc.read_word_reg(7) == 8
-        assert connection.rpc.stop(True) == 0
+        client = RpcClient(lambda name, args: connection.call(name, args, 2.0))
+        assert client.read_word_reg(7) == 8
+        assert client.stop(True) == 0
         server.answer("stop", -1)
-        assert connection.rpc.stop(False) == -1
+        assert client.stop(False) == -1
         server.answer("get_system_value_double", refuse)
         with pytest.raises(ControllerError, match="no speed here"):
-            connection.rpc.get_system_value_double("speed")
+            client.get_system_value_double("speed")
         with pytest.raises(ControllerError, match="pause has no answer"):
             connection.call("pause", (True,), 1.0)
         assert server.connections == 1

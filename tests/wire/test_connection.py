@@ -55,6 +55,11 @@ def connected(*scripts: Callable[[Peer], None]) -> Iterator[tuple[Connection, Sc
             connection.close()
 
 
+def client(connection: Connection) -> rpc.RpcClient:
+    """The functions of the wire over a connection."""
+    return rpc.RpcClient(lambda name, args: connection.call(name, args, PATIENCE))
+
+
 # What a call returns
 
 
@@ -92,14 +97,14 @@ def test_a_caller_is_told_while_it_waits_for_an_answer() -> None:
 def test_arguments_arrive_as_they_were_given() -> None:
     op = rpc.Op(trig_io_1=3, trig_value_1=True, trig_event_1="焊接")
     with connected() as (connection, server):
-        connection.rpc.movej2([0.1, -0.2, 0.3, 0.0, 1.5, -3.0], 0.5, 1.0, 0.01, False, op, True)
+        client(connection).movej2([0.1, -0.2, 0.3, 0.0, 1.5, -3.0], 0.5, 1.0, 0.01, False, op, True)
         (call,) = server.calls
         assert call.args == ([0.1, -0.2, 0.3, 0.0, 1.5, -3.0], 0.5, 1.0, 0.01, False, op, True)
 
 
 def test_a_function_without_a_result_returns_none() -> None:
     with connected() as (connection, server):
-        connection.rpc.log_info("schön")
+        client(connection).log_info("schön")
         assert connection.call("rpc_heartbeat", (1000,), PATIENCE) is None
         assert server.names == ["log_info", "rpc_heartbeat"]
 
@@ -111,7 +116,7 @@ def test_states_and_repr_of_a_life() -> None:
         assert repr(connection) == f"<Connection {address} NEW, 0 calls>"
         connection.open()
         assert repr(connection) == f"<Connection {address} IDLE, 0 calls>"
-        connection.rpc.stop(True)
+        client(connection).stop(True)
         # header, name, sequence id, the field of the answer and the stop byte
         assert connection._exchange.end == 8 + len("stop") + 4 + 7 + 1
         connection.close()
@@ -122,7 +127,7 @@ def test_states_and_repr_of_a_life() -> None:
 def test_the_programs_own_random_numbers_stay_as_it_has_seeded_them() -> None:
     before = random.getstate()
     with connected() as (connection, _):
-        connection.rpc.stop(True)
+        client(connection).stop(True)
     assert random.getstate() == before
 
 
@@ -130,7 +135,7 @@ def test_sequence_ids_rise_and_begin_again() -> None:
     with connected() as (connection, server):
         connection._exchange._last = codec.LAST_SEQUENCE - 1
         for _ in range(3):
-            connection.rpc.stop(True)
+            client(connection).stop(True)
         assert [call.raw.seqid for call in server.calls] == [codec.LAST_SEQUENCE, 1, 2]
 
 
@@ -206,7 +211,7 @@ def test_all_addresses_of_a_host_are_tried(names: Names) -> None:
         names.addresses = [dead, (server.host, server.port)]
         connection = Connection(Endpoint(NAME, 7003))
         connection.open()
-        assert connection.rpc.stop(True) == 0
+        assert client(connection).stop(True) == 0
         connection.close()
 
 
@@ -218,7 +223,7 @@ def test_an_address_that_does_not_answer_leaves_time_for_the_others(names: Names
         for patience in (2.0, 100 * PATIENCE):
             connection = Connection(Endpoint(NAME, 7003, patience, route=route))
             connection.open()
-            assert connection.rpc.stop(True) == 0
+            assert client(connection).stop(True) == 0
             connection.close()
 
 
@@ -241,7 +246,7 @@ def test_a_connection_is_opened_once() -> None:
     with connected() as (connection, _):
         with pytest.raises(ConnectionLost, match="cannot be opened again"):
             connection.open()
-        assert connection.rpc.stop(True) == 0
+        assert client(connection).stop(True) == 0
 
 
 # Deadlines
@@ -371,7 +376,7 @@ def test_a_call_without_time_left_is_not_sent() -> None:
         with pytest.raises(ConnectionLost, match="stop was not sent"):
             connection.call("stop", (True,), -1.0)
         assert connection.state is ConnectionState.IDLE
-        connection.rpc.pause(True)
+        client(connection).pause(True)
         assert server.names == ["pause"]
 
 
@@ -421,18 +426,18 @@ def test_an_application_error_is_an_answer(code: int, error: type[ControllerErro
 
     with connected(script) as (connection, _):
         with pytest.raises(error) as raised:
-            connection.rpc.abort(True)
+            client(connection).abort(True)
         assert raised.value.function == "abort"
         assert connection.state is ConnectionState.IDLE
-        assert connection.rpc.stop(True) == 0
+        assert client(connection).stop(True) == 0
 
 
 def test_a_value_that_cannot_be_sent_leaves_the_connection_alone() -> None:
     with connected() as (connection, server):
         with pytest.raises(ParameterError):
-            connection.rpc.get_noneblock_taskstate(2**40)
+            client(connection).get_noneblock_taskstate(2**40)
         assert connection.state is ConnectionState.IDLE
-        assert connection.rpc.stop(True) == 0
+        assert client(connection).stop(True) == 0
         assert server.names == ["stop"]
 
 
@@ -444,7 +449,7 @@ def test_an_interrupt_in_mid_call_poisons(monkeypatch: pytest.MonkeyPatch) -> No
 
         monkeypatch.setattr(DeadlineSocket, "receive", interrupted)
         with pytest.raises(KeyboardInterrupt):
-            connection.rpc.stop(True)
+            client(connection).stop(True)
         assert connection.state is ConnectionState.POISONED
         assert "KeyboardInterrupt" in connection.reason
         server.wait_finished(1)
@@ -464,7 +469,7 @@ def test_a_connection_that_is_not_open_sends_nothing(state: str) -> None:
                 with pytest.raises(CallTimeout):
                     connection.call("get_tcp_pose", (), SHORT)
         with pytest.raises(ConnectionLost, match=f"stop cannot use .*{state.upper()}.*nothing was"):
-            other.rpc.stop(True)
+            client(other).stop(True)
         assert "stop" not in server.names
 
 
@@ -473,7 +478,7 @@ def test_a_connection_that_is_not_open_sends_nothing(state: str) -> None:
 
 def test_only_the_owner_may_call(background: Any) -> None:
     with connected() as (connection, server):
-        error = background(lambda: connection.rpc.stop(True))()
+        error = background(lambda: client(connection).stop(True))()
         assert isinstance(error, RuntimeError)
         assert "belongs to the thread" in str(error)
         assert connection.state is ConnectionState.IDLE
@@ -563,7 +568,7 @@ def test_an_answer_that_comes_with_an_abandon_is_not_given(monkeypatch: pytest.M
 
         monkeypatch.setattr(DeadlineSocket, "receive", late)
         with pytest.raises(OutcomeUnknown, match="cancelled"):
-            connection.rpc.stop(True)
+            client(connection).stop(True)
         assert connection.state is ConnectionState.POISONED
 
 
@@ -608,4 +613,4 @@ def test_a_long_wait_of_the_main_thread_goes_on(monkeypatch: pytest.MonkeyPatch)
 
     with connected(slow) as (connection, _):
         monkeypatch.setattr(DeadlineSocket, "_limit_to", counted)
-        assert connection.rpc.get_robot_version() == "3.8"
+        assert client(connection).get_robot_version() == "3.8"
