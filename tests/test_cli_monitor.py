@@ -28,6 +28,7 @@ from aioduco.cli.monitor.observer import Key, MonitorClient, TerminalKeys
 from aioduco.cli.monitor.screen import bar, chart, screen
 from aioduco.cli.monitor.view_state import EventLine, MonitorState
 from aioduco.cli.output import OutputFailed
+from aioduco.errors import StopUnconfirmed
 from aioduco.models.enums import Outcome, SafetyState
 from aioduco.models.samples import Samples
 from aioduco.sim import Simulator
@@ -311,6 +312,40 @@ async def test_what_was_typed_before_the_arm_is_shown_resumes_nothing(bench: Ben
     finally:
         os.close(ours)
         os.close(keyboard)
+
+
+@for_each("confirmed", [False, True])
+async def test_a_stop_that_is_not_confirmed_is_an_error_at_the_end(confirmed: bool) -> None:
+    """The screen that says so is gone then, and the command ended as if all were well."""
+    told: list[StopUnconfirmed] = []
+    states: list[MonitorState] = []
+    ours, keyboard = os.pipe()
+
+    async def watch(client: MonitorClient) -> None:
+        try:
+            await client.watch()
+        except StopUnconfirmed as error:
+            told.append(error)
+
+    try:
+        with Bench() as bench:
+            robot = aioduco.connect(
+                bench.host, bench.port, heartbeat=None, lag_limit=None, stop_timeout=0.1
+            )
+            bench.answer("stop", -1)
+            async with anyio.create_task_group() as watching:
+                watching.start_soon(watch, MonitorClient(robot, "left", ours, states.append))
+                await eventually_async(lambda: states and states[-1].sample is not None)
+                os.write(keyboard, b"s")
+                await eventually_async(lambda: states[-1].notice is not None)
+                if confirmed:
+                    bench.answer("stop", 4)
+                    os.write(keyboard, b"s")
+                os.write(keyboard, b"q")
+    finally:
+        os.close(ours)
+        os.close(keyboard)
+    assert len(told) == (not confirmed)
 
 
 # -- in a terminal -------------------------------------------------------------------------------

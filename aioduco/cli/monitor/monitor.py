@@ -34,8 +34,8 @@ def monitor(
 
     aioduco monitor 192.168.1.10
 
-    Exit codes: 0 quit; 1 no controller; 2 wrong options, or no terminal; 130, 143, 129 Ctrl-C,
-    SIGTERM, or the terminal was closed.
+    Exit codes: 0 quit; 1 no controller; 2 wrong options, or no terminal; 4 a stop failed, and it is
+    not known that the arm stands; 130, 143, 129 Ctrl-C, SIGTERM, or the terminal was closed.
 
     Args:
         rate: Samples per second.

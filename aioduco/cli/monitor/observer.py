@@ -24,7 +24,7 @@ from aioduco.cli.command_terms import in_commands
 from aioduco.cli.monitor.view_state import EventLine, MonitorState, history_point
 from aioduco.cli.output import OutputFailed
 from aioduco.cli.signals import receive_signals
-from aioduco.errors import DucoError, RobotStateError
+from aioduco.errors import DucoError, RobotStateError, StopUnconfirmed
 from aioduco.models.host_port import host_port
 from aioduco.supervision.concurrency import every
 
@@ -145,6 +145,7 @@ class MonitorClient:
         self._lines = LogLines(self._tell)
         self._doing: list[Key] = []
         self._told: signal.Signals | None = None
+        self._unconfirmed: StopUnconfirmed | None = None
 
     async def watch(self) -> signal.Signals | None:
         """Open the robot and observe it until a key quits; a stop in progress is completed.
@@ -154,6 +155,7 @@ class MonitorClient:
 
         Raises:
             ConnectError: there is no controller.
+            StopUnconfirmed: it is not known that the last stop was carried out.
         """
         log = logging.getLogger("aioduco")
         log.addHandler(self._lines)  # log lines appear among the events, not across the screen
@@ -171,6 +173,8 @@ class MonitorClient:
                 looks.cancel_scope.cancel()
         finally:
             log.removeHandler(self._lines)
+        if self._unconfirmed is not None:
+            raise self._unconfirmed
         return self._told
 
     async def _until_told(self, looking: anyio.CancelScope) -> None:
@@ -208,7 +212,11 @@ class MonitorClient:
             done = await step()
         except DucoError as error:
             line = self._tell(f"{key.value} failed: {error}", "alarm")
+            if isinstance(error, StopUnconfirmed):
+                self._unconfirmed = error
         else:
+            if key is Key.STOP:
+                self._unconfirmed = None
             line = self._tell("nothing was paused" if done is False else said, "good")
         self._doing.remove(key)
         busy = " and ".join(each.value for each in self._doing)
