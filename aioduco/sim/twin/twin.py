@@ -228,14 +228,14 @@ class Twin(Uncopied):
     async def _settings(self) -> Begin:
         """Read from the controller what the twin begins with."""
 
-        async def ask(function: str) -> list[Any]:
+        async def ask(function: str) -> Any:
             try:
-                return list(await self._supervisor.poll.call(function, (), _ASK))
+                return await self._supervisor.poll.call(function, (), _ASK)
             except DucoError:
                 return []  # some controllers do not have the function
 
         if self._model is None:
-            told = " ".join(filter(None, map(str, (await ask("get_robot_type"))[:3])))
+            told = " ".join(filter(None, map(str, list(await ask("get_robot_type"))[:3])))
             if (known := model_named(told)) is None:
                 raise RobotStateError(
                     f"the controller reports {told or 'no arm'}, which is not known here: give "
@@ -246,13 +246,15 @@ class Twin(Uncopied):
         if limits.arm != self._model:
             raise ParameterError("limits", limits.arm, f"limits of this arm, {self._model}")
         offset, wobj, load = [
-            await ask(each) for each in ("get_tcp_offset", "get_wobj", "get_tool_load")
+            list(await ask(each)) for each in ("get_tcp_offset", "get_wobj", "get_tool_load")
         ]
         settings: list[tuple[str, tuple[Any, ...]]] = []
         if len(offset) == 6:
             settings.append(("set_tool_data", ("twin", offset, load[:4] or [0.0] * 4, [])))
         if len(wobj) == 6:
             settings.append(("set_wobj", ("twin", wobj)))
+        if speed := await ask("get_global_speed"):
+            settings.append(("speed", (float(speed),)))
         tool = Pose(*offset) if len(offset) == 6 else None
         base = base_in_world(self._mounting, arm_of(self._model))
         return Begin(self._model, limits, tool, base, self._commands, tuple(settings))

@@ -30,7 +30,8 @@ class Begin(NamedTuple):
         tool: tip of the tool in the flange's frame.
         mounting: pose of the base in the world.
         commands: whether the program's commands are known.
-        settings: calls that set the tool, the work object and the load as the controller has them.
+        settings: calls that set the tool, the work object, the load and the speed as the controller
+            has them.
     """
 
     model: str

@@ -118,6 +118,13 @@ async def test_it_reports_only_otherwise(sim: Simulator, robot: aioduco.Robot) -
         await robot.motion.movej2([*READY[:5], 0.2], v=1.0, a=2.0)
 
 
+async def test_it_begins_with_the_speed_of_the_controller(robot: aioduco.Robot) -> None:
+    """At less than 100 % every motion was that of a delayed controller."""
+    await robot.settings.speed(40.0)
+    begin = await robot.twin()._settings()
+    assert ("speed", (40.0,)) in begin.settings
+
+
 @pytest.mark.slow
 async def test_its_end_is_not_the_robots(robot: aioduco.Robot) -> None:
     async with robot.twin(LIMITS) as twin:
