@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from aioduco.kinematics import arm as arm_of
 from aioduco.kinematics.catalogue import model_named
 from aioduco.kinematics.mounting import base_in_world
 from aioduco.models.enums import ProgramState, RobotState, SafetyState
+from aioduco.models.pose import Pose
 from aioduco.models.rotation import matrix_from_quaternion, rpy_from_matrix
 from aioduco.recording.run import RecordedMessage, RecordedRun, of_any_maker, read
 from aioduco.sim.twin import limits as limits_of
@@ -109,9 +111,20 @@ def items(run: RecordedRun) -> Sequence[TwinSample | TwinCommand]:
     found: list[TwinSample | TwinCommand] = [*_samples(run)]
     if not found:
         raise RecordingError(f"{run.path} has no samples of the state: `aioduco record` takes them")
+    found += _tool(run)
     found += _commands(run)
     found.sort(key=lambda item: item.time - (AHEAD if isinstance(item, TwinCommand) else 0.0))
     return found
+
+
+def _tool(run: RecordedRun) -> Iterator[TwinCommand]:
+    """The tool at the begin, which was set before the recording."""
+    for message in run.messages("/tf"):
+        if "flange" in message.data:
+            tip = Pose(*_pose(message.data["flange"])).inverse()
+            arguments: tuple[Any, ...] = ("recorded", list(tip), [0.0] * 4, [])
+            yield TwinCommand(-math.inf, "set_tool_data", arguments, True)
+            return
 
 
 def _commands(run: RecordedRun) -> Iterator[TwinCommand]:

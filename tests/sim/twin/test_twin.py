@@ -97,6 +97,20 @@ async def test_a_blocking_motion_is_this_programs(robot: aioduco.Robot, tmp_path
 
 
 @pytest.mark.slow
+async def test_a_recording_is_judged_with_the_tool_that_was_set_before_it(
+    robot: aioduco.Robot, tmp_path: Path
+) -> None:
+    """A line was rehearsed with the flange, so that another program had led the arm elsewhere."""
+    await robot.frames.set_tool_data("long", [0, 0, 0.15, 0, 0.3, 0], [0.5, 0, 0, 0.05])
+    async with robot.record(tmp_path / "run.mcap") as recording:
+        await eventually_async(lambda: recording.statistics().written > 20)
+        here = await robot.state.get_tcp_pose()
+        await robot.motion.movel(here @ aioduco.Pose(0, 0, -0.05, 0, 0, 0.6), v=0.1, a=0.5)
+    judged = judge(tmp_path / "run.mcap")
+    assert [each for each in judged if each.quantity is Quantity.PATH] == []
+
+
+@pytest.mark.slow
 async def test_it_stops_the_arm_if_it_was_asked_to(sim: Simulator, robot: aioduco.Robot) -> None:
     async with robot.twin(LIMITS, action="stop"), anyio.create_task_group() as tasks:
         tasks.start_soon(push_when_it_moves, sim, robot)
