@@ -330,6 +330,40 @@ def test_a_move_says_what_turns_and_asks() -> None:
 @pytest.mark.parametrize(
     "words",
     [
+        ("play", "points.toml", "--no-rehearse"),
+        ("payload", "--poses", "points.toml"),
+        ("demo", "--host"),
+        ("teleop",),
+    ],
+    ids=lambda words: words[0],
+)
+def test_an_arm_that_was_stopped_by_the_button_during_the_question_stays_off(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...]
+) -> None:
+    """The command switched it on again, and moved it."""
+    monkeypatch.chdir(tmp_path)
+    file = WaypointFile.new()
+    for name in "abcdef":
+        file.add(name, HOME)
+    file.save("points.toml")
+    with ready_arm(speed=math.inf) as sim:
+
+        def confirm(*_: object, **__: object) -> bool:
+            sim.emergency_stop()
+            sim.release_emergency_stop()
+            return True
+
+        monkeypatch.setattr("typer.confirm", confirm)
+        done = run(*words, f"{sim.host}:{sim.port}")
+        assert (done.exit_code, "the arm is no longer as" in done.stderr) == (1, True), done.output
+        with aioduco.sync.connect(sim.host, sim.port, heartbeat=None) as robot:
+            assert robot.state.get_robot_state().robot is not RobotState.ENABLE
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "words",
+    [
         ("move", "joints", "0", "0", "0", "0", "0", "0.1", "--by", "--host"),
         ("move", "pose", "0", "0", "-0.01", "0", "0", "0", "--by", "--host"),
         ("play", "points.toml", "--no-rehearse"),

@@ -32,7 +32,7 @@ from aioduco.cli.monitor.view_state import MonitorState
 from aioduco.cli.output import log_about, say
 from aioduco.cli.questions import SAFE, ask
 from aioduco.cli.safe_console import SafeConsole
-from aioduco.cli.sessions import observing_session, require_still_at
+from aioduco.cli.sessions import observing_session, require_same_state, require_still_at
 from aioduco.cli.signals import receive_signals
 from aioduco.cli.status import joints_line, look, states_line
 from aioduco.devices.grippers import DigitalGripper, gripper_model
@@ -594,6 +594,7 @@ def run(
             found = look(address)
             ask(_warning(address, model, plan, found), "Move the arm?", yes=False)
             with observing_session(address) as robot:
+                require_same_state(robot, found["robot"], found["safety"])
                 require_still_at(robot, found["joints"])
         shown = Demonstration(model, str(address), console)
         ended_by = _performed(address.host, address.port, plan, shown)

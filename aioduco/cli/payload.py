@@ -20,6 +20,7 @@ from aioduco.cli.sessions import (
     control_session,
     observing_session,
     reported_arm,
+    require_same_state,
     require_still_at,
 )
 
@@ -126,6 +127,7 @@ def payload(
         )
     with observing_session(address) as robot:
         here = robot.state.get_actual_joints_position()
+        states = robot.state.get_robot_state()
     ask(what, "Begin?", yes=yes)
     # A person may take any time: hand guiding must not stop because no call is made.
     with control_session(address, hold_limit=None) as robot:
@@ -134,6 +136,7 @@ def payload(
             _check_ways(kept, name, robot.state.get_actual_joints_position(), file)
         arm = known_arm or _arm(robot)
         _require_arm(robot, arm, file)
+        require_same_state(robot, states.robot, states.safety)
         robot.bring_up()
         gone_to = _guided(robot) if file is None else _moved(robot, file, here)
         joints, read = _readings(robot, sensor, gone_to)

@@ -15,6 +15,7 @@ from aioduco.cli.sessions import (
     control_session,
     observing_session,
     reported_arm,
+    require_same_state,
     require_still_at,
 )
 from aioduco.kinematics import arm
@@ -120,6 +121,7 @@ class PlayedFile:
             text = f"{self} at {address} ({states}): {self._announced(here)}\n{SAFE}"
         ask(text, "Move the arm?", yes=yes)
         with control_session(address) as robot:
+            require_same_state(robot, states.robot, states.safety)
             require_still_at(robot, here)
             robot.bring_up()
             robot.envelope = self.envelope

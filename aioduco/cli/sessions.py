@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from aioduco.cli.addresses import RobotAddress
     from aioduco.envelope import Envelope
     from aioduco.kinematics import Arm
+    from aioduco.models.enums import RobotState, SafetyState
     from aioduco.models.pose import JointsLike, Pose
     from aioduco.sync import Robot
 
@@ -92,6 +93,22 @@ def reported_arm(robot: Robot) -> Arm | None:
     from aioduco.kinematics.catalogue import model_named  # noqa: PLC0415 - quick help
 
     return model_named(reported_name(robot))
+
+
+def require_same_state(robot: Robot, state: RobotState, safety: SafetyState) -> None:
+    """End the command if the arm, which it brings up, was stopped or switched since its question.
+
+    Args:
+        robot: the robot.
+        state: state of the robot at the question.
+        safety: state of the safety controller then.
+    """
+    now = robot.state.get_robot_state()
+    if (now.robot, now.safety) != (state, safety):
+        fail(
+            f"the arm is no longer as when the question was asked: {now}; nothing was sent that "
+            "moves it. Give the command again"
+        )
 
 
 def require_still_at(robot: Robot, joints: JointsLike, pose: Pose | None = None) -> None:

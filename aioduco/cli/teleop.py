@@ -17,7 +17,7 @@ from aioduco.cli.move import ready_arm
 from aioduco.cli.options import Yes, refuse_unused, require_writable, wrong_option
 from aioduco.cli.output import say
 from aioduco.cli.questions import SAFE, ask
-from aioduco.cli.sessions import control_session
+from aioduco.cli.sessions import control_session, require_same_state
 
 if TYPE_CHECKING:
     from aioduco.devices.teleoperation import InputDevice, TeleopScale
@@ -111,14 +111,14 @@ def teleop(
         task.simulate()
         return
     address = robot_at(host, port, cell)
-    ready_arm(address)
+    found = ready_arm(address)
     how = f"joints turn at up to {joint_speed:g} rad/s" if joints else (
         f"the tool moves at up to {speed:g} m/s and turns at up to {turn_speed:g} rad/s, "
         f"by the axes of the {frame.value}"
     )  # fmt: skip
     ask(f"arm    {address}\nBy the {device.value}, {how}.\n{SAFE}", "Lead the arm?", yes=yes)
     with control_session(address) as robot:
-        robot.bring_up()
+        require_same_state(robot, found["robot"], found["safety"])
         task.lead(robot)
 
 
