@@ -334,13 +334,15 @@ def test_a_move_says_what_turns_and_asks() -> None:
         ("payload", "--poses", "points.toml"),
         ("demo", "--host"),
         ("teleop",),
+        ("teach",),
+        ("tool", "touch"),
     ],
     ids=lambda words: words[0],
 )
 def test_an_arm_that_was_stopped_by_the_button_during_the_question_stays_off(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...]
 ) -> None:
-    """The command switched it on again, and moved it."""
+    """The command switched it on again, and moved it, or let it give way to a hand."""
     monkeypatch.chdir(tmp_path)
     file = WaypointFile.new()
     for name in "abcdef":

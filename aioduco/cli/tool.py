@@ -13,7 +13,7 @@ from aioduco.cli.exit_codes import ended_by_errors, fail, say_error
 from aioduco.cli.options import Guide, Json, Yes, refuse_unused
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import GIVES_WAY, ask, typed_line
-from aioduco.cli.sessions import control_session, observing_session
+from aioduco.cli.sessions import control_session, observing_session, require_same_state
 from aioduco.cli.status import pose_line
 
 if TYPE_CHECKING:
@@ -77,9 +77,12 @@ def touch(
     address = robot_at(host, port, cell)
     say(_HOW.format(count=touches), error=True)
     if guide:
+        with observing_session(address) as robot:
+            states = robot.state.get_robot_state()
         ask(GIVES_WAY.format(address), "Let it give way?", yes=yes)
         # A person may take any time: hand guiding must not stop because no call is made.
         with control_session(address, hold_limit=None) as robot:
+            require_same_state(robot, states.robot, states.safety)
             robot.bring_up()
             with robot.motion.teach_mode.start():
                 tip, frame = _measured(robot, touches, axes=axes)
