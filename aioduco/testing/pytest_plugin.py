@@ -158,8 +158,9 @@ def pytest_report_header(config: pytest.Config) -> str | None:
 def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, Any, None]:
     """Record whether a test failed, for its fixtures."""
     outcome = yield
-    if outcome.get_result().failed:
-        item.stash[_failed] = True
+    report = outcome.get_result()
+    before = report.when != "setup" and item.stash.get(_failed, False)  # another run begins anew
+    item.stash[_failed] = before or report.failed
 
 
 def _async_fixture() -> Callable[[Any], Any]:

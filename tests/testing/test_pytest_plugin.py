@@ -239,6 +239,34 @@ def test_a_test_that_fails_again_leaves_its_last_run(tmp_path: Path) -> None:
     assert read(folder / "run.mcap").started_ns > before
 
 
+#: as pytest-rerunfailures does
+RERUN = """
+from _pytest.runner import runtestprotocol
+
+def pytest_runtest_protocol(item, nextitem):
+    for _ in range(2):
+        item._initrequest()
+        runtestprotocol(item, nextitem=nextitem, log=False)
+    return True
+"""
+
+
+@pytest.mark.slow
+def test_a_test_that_passes_when_it_is_run_again_leaves_nothing(tmp_path: Path) -> None:
+    """The recording of the run that passed was left as that of a failure."""
+    (tmp_path / "conftest.py").write_text(RERUN)
+    (tmp_path / "test_again.py").write_text(
+        "runs = []\n"
+        "def test_again(duco_sync_robot):\n"
+        "    runs.append(duco_sync_robot)\n"
+        "    assert len(runs) == 2\n"
+    )
+    left = tmp_path / "left"
+    words = ("-p", "no:cacheprovider", "--duco-artefacts", str(left), str(tmp_path))
+    done = python("-m", "pytest", *words, cwd=tmp_path)
+    assert [*left.iterdir()] == [], done.stdout + done.stderr
+
+
 @pytest.mark.slow
 def test_on_an_arm_tests_are_slow_and_those_that_would_fault_it_are_skipped(tmp_path: Path) -> None:
     """The arm is another simulated one, behind an address."""
