@@ -19,7 +19,7 @@ from aioduco.models.ranges import JOINTS
 from aioduco.models.rules import Number
 from aioduco.planning.clearance import FURTHEST, TOUCHING, Clearance
 from aioduco.planning.problem import WorkerScene
-from aioduco.planning.shapes import Ground
+from aioduco.planning.shapes import OWN_NAME, OWN_NAMES, Ground
 from aioduco.sim.scene import MountingLike, SceneLike, Thing, mjcf_of, mounting_of
 
 if TYPE_CHECKING:
@@ -34,8 +34,6 @@ if TYPE_CHECKING:
 
 
 _PADDING = Number(0.0005, 0.1, "m", source="this package")
-#: names of the arm's own bodies, of its tool, and of what is around them
-_OWN_NAMES = {"world", "floor", "base", "flange", "tool", *map("link{}".format, range(1, 7))}
 
 
 class Scene:
@@ -175,11 +173,8 @@ class Scene:
                 taken.add(name)
                 if name in named:
                     raise SceneError(f"there is a thing called {name!r} already; nothing was added")
-                if name in _OWN_NAMES:
-                    raise SceneError(
-                        f"{name!r} is the arm's own, or what it stands on: give the thing another "
-                        "name; nothing was added"
-                    )
+                if name in OWN_NAMES:
+                    raise SceneError(f"{OWN_NAME.format(name)}; nothing was added")
                 named[name] = dataclasses.replace(thing, name=name)
             self._things = named
 

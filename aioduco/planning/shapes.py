@@ -19,6 +19,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+#: names of the arm's own bodies, of its tool, and of what is around them, which no thing may have
+OWN_NAMES = {"world", "floor", "base", "flange", "tool", *map("link{}".format, range(1, 7))}
+OWN_NAME = "{!r} is the arm's own, or what it stands on: give the thing another name"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ground(Thing):
     """An infinite plane; everything below it is solid.

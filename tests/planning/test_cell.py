@@ -185,6 +185,7 @@ async def test_all_robots_of_a_cell_are_connected_and_move_within_its_limits() -
         ('frame = "table"', 'frame = ["table"]', 28, "there are table"),
         ("padding = 0.01", "padding = 4", 38, "0.1 m"),
         ('kind = "box"', 'kind = "bocks"', 40, "there are box"),
+        ('name = "bench"', 'name = "link1"', 41, "the arm's own"),
         ("size = [0.3, 0.6", "size = [0.3", 43, "size"),
         ("normal = [0, 0, 1]", "normal = [0, 0, 0]", 48, "not all 0"),
         ('robot = "left"', 'robot = "lfet"', 49, "did you mean 'left'"),

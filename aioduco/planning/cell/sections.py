@@ -21,7 +21,7 @@ from aioduco.models.points import Point, point_of
 from aioduco.models.pose import Pose
 from aioduco.models.ranges import JOINTS, PAYLOAD, POSE
 from aioduco.models.similar import did_you_mean, unknown
-from aioduco.planning.shapes import Ground, Mesh
+from aioduco.planning.shapes import OWN_NAME, OWN_NAMES, Ground, Mesh
 from aioduco.recording.playback.envelope_file import limit_of
 from aioduco.sim.scene import (
     Box,
@@ -363,6 +363,8 @@ def _looks(place: TomlPath, found: dict[str, Any], folder: Path) -> Surroundings
         thing = _thing(where, block, folder)
         if thing.name and any(each.name == thing.name for each in made):
             wrong((*where, "name"), f"there is a thing called {thing.name!r} already")
+        if place == ("scene",) and thing.name in OWN_NAMES:
+            wrong((*where, "name"), OWN_NAME.format(thing.name))
         made.append(thing)
     return tuple(made)
 
