@@ -215,31 +215,29 @@ class Stream(Uncopied):
         """
         await anyio.lowlevel.checkpoint()  # first: a chunk that was written is followed to its end
         ring = self._session.alive().ring
-        now = time.monotonic()
-        points = self._checked_actions(actions, at, now)
-        begin = 0 if at is None else max(1, round(at * 1e9))
+        points = self._checked_actions(actions, at)
         count = len(points)
         # The chunk is written completely or not at all: after this loop nothing is awaited until
         # the last action is written.
         while ring.level > self._feeding.capacity - count:
             await self._session.until_level(self._feeding.capacity - count)
             self._session.alive()
+        # Now, and not before the wait: another task may have sent meanwhile.
+        self._take_over(points, at)
         self._chunks += 1
-        self._sent_chunk, self._last = (now if at is None else at, points), points[-1]
+        begin = 0 if at is None else max(1, round(at * 1e9))
         stamp = time.monotonic_ns()
         for index, values in enumerate(points):
             ring.put(values, stamp, ActionTag(self._chunks, begin, index, count).pack())
         await self._begin()
 
-    def _checked_actions(
-        self, actions: Any, at: float | None, now: float
-    ) -> list[tuple[float, ...]]:
-        """Check a chunk."""
+    def _checked_actions(self, actions: Any, at: float | None) -> list[tuple[float, ...]]:
+        """Check a chunk by itself."""
         interval = self._feeding.interval
         if not self._feeding.chunks or interval is None:
             raise ParameterError("actions", "a chunk", "sent to a stream opened with chunks=True")
         if at is not None:
-            at = _AT("at", at)
+            at, now = _AT("at", at), time.monotonic()
             if abs(at - now) > _FARTHEST:
                 raise ParameterError(
                     "at", at, f"a time of time.monotonic(), {now:.3f} now, within {_FARTHEST:g} s"
@@ -254,13 +252,23 @@ class Stream(Uncopied):
             if checked:
                 self._check_step(values, checked[-1], f"actions[{index}]")
             checked.append(values)
-        if self._sent_chunk is not None:
-            begin = now if at is None else at
-            when = min(max(begin, now), begin + (len(checked) - 1) * interval)
-            before = self._place(interval, *self._sent_chunk, when)
-            here = self._place(interval, begin, checked, when)
-            self._check_step(here, before, "actions")
         return checked
+
+    def _take_over(self, points: list[tuple[float, ...]], at: float | None) -> None:
+        """Let a chunk take the place of the earlier one, which it must not be too far from.
+
+        Raises:
+            SetPointTooFar: it is.
+        """
+        now, interval = time.monotonic(), self._feeding.interval
+        assert interval is not None
+        begin = now if at is None else at
+        if self._sent_chunk is not None:
+            when = min(max(begin, now), begin + (len(points) - 1) * interval)
+            before = self._place(interval, *self._sent_chunk, when)
+            here = self._place(interval, begin, points, when)
+            self._check_step(here, before, "actions")
+        self._sent_chunk, self._last = (begin, points), points[-1]
 
     def _place(
         self, interval: float, begin: float, actions: Sequence[tuple[float, ...]], time: float

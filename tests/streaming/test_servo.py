@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import itertools
 import math
@@ -360,6 +361,33 @@ async def test_chunks_are_sent_counted_and_refused_when_they_are_wrong(
     assert found.chunks_late >= 1
     assert found.actions_late >= 5
     assert "3 chunks" in repr(found)
+
+
+async def test_chunks_that_waited_for_room_are_compared_with_those_before_them(
+    controller: Controller,
+) -> None:
+    goes_on, count = threading.Event(), itertools.count()
+    controller.server.answer(
+        "servoj", lambda *_: 1001 if next(count) == 0 or goes_on.wait(20.0) else -1
+    )
+    options = replace(THREAD, timeout=20.0, away_limit=30.0)
+    stream = controller.servo.joints(
+        v=1.0, a=5.0, source_rate=30, upsample="cubic", chunks=True, hold=5.0, options=options
+    )
+    with contextlib.suppress(StreamClosed):  # as it is not left before all are followed
+        async with stream:
+            await stream.send_chunk([HERE])
+            await eventually_async(lambda: len(controller.points()) == 2)  # the worker waits
+            for _ in range(2):
+                await stream.send_chunk([HERE] * 1000)
+            apart = [[near(way)] * 1000 for way in (0.15, -0.15)]
+            both = [asyncio.create_task(stream.send_chunk(each)) for each in apart]
+            await anyio.wait_all_tasks_blocked()
+            goes_on.set()
+            first, second = await asyncio.gather(*both, return_exceptions=True)
+            await stream._session.close(at_once=True)
+    assert first is None
+    assert isinstance(second, SetPointTooFar)
 
 
 async def test_a_stream_says_what_chunks_need(controller: Controller) -> None:
