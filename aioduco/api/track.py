@@ -230,13 +230,14 @@ class Track(Section, TrackStreams):
         if moves:
             self._supervisor.check_permitted(call.name)
         await self._modes.leave_overdue(call.name)
+        await self._supervisor.envelope.admit(call.name, joints, moves=moves)
+        # after all that is awaited: another task may have put points in meanwhile
         held = self._kind
         if kind is not None and held is not None and held is not kind:
             raise RobotStateError(
                 f"points of type {kind.__name__} were not sent: this program has put points of "
                 f"type {held.__name__} into the pool; call trackClearQueue first"
             )
-        await self._supervisor.envelope.admit(call.name, joints, moves=moves)
         self._last_kind = kind or held
         gate = self._supervisor.permits.gate
         permit = gate.ask(call.name, boot_time(), moves=False)

@@ -93,6 +93,22 @@ async def test_kinds_do_not_mix(robot: aioduco.Robot, pool: Desk) -> None:
     assert pool.commands == []
 
 
+async def test_kinds_do_not_mix_while_points_are_checked(
+    robot: aioduco.Robot, pool: Desk, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def checked(*_: object, **__: object) -> None:
+        await anyio.lowlevel.checkpoint()
+
+    monkeypatch.setattr(robot._supervisor.envelope, "admit", checked)
+    raised: list[BaseException] = []
+    async with anyio.create_task_group() as tasks:
+        for point in (Joints(*HOME), Pose(*POSE)):
+            call = robot.track.trackEnqueue([point])
+            tasks.start_soon(noted, raised, aioduco.RobotStateError, call)
+    assert len(raised) == 1
+    assert pool.commands == ["trackEnqueue"]
+
+
 async def test_points_that_were_not_taken_leave_no_trace(robot: aioduco.Robot, pool: Desk) -> None:
     pool.answer("trackEnqueue", 7)
     with pytest.raises(aioduco.TaskIllegal):
