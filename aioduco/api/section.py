@@ -352,9 +352,11 @@ class Section(Uncopied, ManualNames):
         ticker = every(_ASK_AGAIN)
         until = ticker.due + _SETTLING
         async for due in ticker:
+            stands = not await self._rpc.robotmoving()
+            # after the question: a motion that begins meanwhile counts
             if self._supervisor.stop_coordinator.moving or due >= until:
                 break
-            if not await self._rpc.robotmoving():
+            if stands:
                 return
         raise RobotStateError(
             f"{function} was not sent: the arm moves, and would move in an unforeseen way; "

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import itertools
 import math
+import threading
 
+import anyio
 import pytest
 from for_each import for_each
+from wire.lanes import noted
 
 import aioduco
 from aioduco import Joints, Load, Pose
 from aioduco._wire import rpc
 from aioduco.api.kinematics import Reachability
+from aioduco.testing import eventually_async
 from api.cases import Case
 from api.desk import Desk
 from api.motion_cases import HOME, NEAR, OTHER, POSE
@@ -241,6 +245,20 @@ async def test_the_arm_must_stand(robot: aioduco.Robot, desk: Desk, name: str) -
     await robot.stop()
     await call()
     assert len(desk.received(name)) == 1
+
+
+async def test_a_motion_that_begins_meanwhile_counts(robot: aioduco.Robot, desk: Desk) -> None:
+    begun = threading.Event()
+    desk.answer("robotmoving", lambda: not begun.wait(10.0))
+    desk.motion_time = 30.0
+    raised: list[BaseException] = []
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(noted, raised, aioduco.RobotStateError, robot.force.fc_stop())
+        await eventually_async(lambda: bool(desk.received("robotmoving")))
+        await robot.motion.movej2(HOME, 1.0, 1.0).start()
+        begun.set()
+    assert len(raised) == 1
+    assert desk.received("fc_stop") == ()
 
 
 async def test_a_switch_that_is_refused_says_why(robot: aioduco.Robot, desk: Desk) -> None:
