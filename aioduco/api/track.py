@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from aioduco.streaming.endpoint import StreamEndpoint
     from aioduco.supervision.command import MotionCommand
     from aioduco.supervision.supervisor import Supervisor
+    from aioduco.supervision.task_command import Command
 
 
 _Kind: TypeAlias = type[Joints] | type[Pose]
@@ -180,8 +181,7 @@ class Track(Section, TrackStreams):
         """
         speed_ = ranges.TRACK_JOINT_SPEED("speed", speed)
         acc_ = ranges.TRACK_JOINT_ACCELERATION("acc", acc)
-        self._follows("trackJointMotion", Joints)
-        return self._motion(calls.trackJointMotion(speed_, acc_, False))
+        return self._following(calls.trackJointMotion(speed_, acc_, False), Joints)
 
     def trackCartMotion(  # noqa: N802  # as above
         self,
@@ -215,8 +215,8 @@ class Track(Section, TrackStreams):
         acc_ = ranges.TRACK_ACCELERATION("acc", acc)
         tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
         radius_ = ranges.TRACK_RADIUS("radius", radius)
-        self._follows("trackCartMotion", Pose)
-        return self._motion(calls.trackCartMotion(speed_, acc_, False, tool_, wobj_, radius_))
+        call = calls.trackCartMotion(speed_, acc_, False, tool_, wobj_, radius_)
+        return self._following(call, Pose)
 
     async def _put(
         self, kind: _Kind | None, call: WireCall[int], joints: Sequence[Sequence[float]] = ()
@@ -272,15 +272,28 @@ class Track(Section, TrackStreams):
         """Kind of the points that this program has put into the pool; None: unknown."""
         return self._last_kind if TRACK_POOL in self._modes else None
 
-    def _follows(self, function: str, kind: _Kind) -> None:
+    def _following(self, call: WireCall[int], kind: _Kind) -> MotionCommand:
+        """Make a motion through the pool, and check the kind of its points.
+
+        It is checked once more when the motion is sent: others may have been put in since.
+        """
+
+        async def checked(command: Command) -> tuple[Any, ...]:
+            self._check_kind(command.name, kind)
+            return command.args
+
+        self._check_kind(call.name, kind)
+        self._followed = True
+        return self._motion(call, aim=checked)
+
+    def _check_kind(self, function: str, kind: _Kind) -> None:
         """Check the kind of the points, before the arm follows the pool."""
         held = self._kind
         if held is not None and held is not kind:
             raise RobotStateError(
-                f"{function} was not made: this program has put points of type "
+                f"{function} was not sent: this program has put points of type "
                 f"{held.__name__} into the pool, and it would take them for {kind.__name__}"
             )
-        self._followed = True
 
 
 def _kind(points: Sequence[object]) -> _Kind | None:

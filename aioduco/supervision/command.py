@@ -57,7 +57,7 @@ class MotionCommand(Uncopied):
     def __repr__(self) -> str:
         # asyncio puts this into its TypeError when `create_task` is given a motion
         hint = "" if self._used else f": not sent; {self._HINT}"
-        frame = f" frame={self.command.frame!r}" if self.aimed else ""
+        frame = f" frame={self.command.frame!r}" if self.command.frame else ""
         return f"<{shown(self.command)}{frame}{hint}>"
 
     def __del__(self) -> None:
@@ -80,7 +80,7 @@ class MotionCommand(Uncopied):
 
     @property
     def aimed(self) -> bool:
-        """Whether it depends on the tool's pose when it is sent, so that it is not sent ahead."""
+        """Whether it depends on what is there when it is sent, so that it is not sent ahead."""
         return self.command.aim is not None
 
     def mark_used(self) -> None:

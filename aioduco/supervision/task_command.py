@@ -28,7 +28,8 @@ class Command:
         eta: its target and speed, if they are known for the joints.
         sense: direction of a jog, 1 or -1, whose number on the wire depends on the controller.
         frame: the frame in which it is given, if that is not the wire's.
-        aim: returns its arguments in the frame of the wire, by the tool's pose when it is sent.
+        aim: returns its arguments when it is sent: in the frame of the wire, by the tool's pose; or
+            raises if what is there then does not fit it.
     """
 
     name: str

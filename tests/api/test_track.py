@@ -56,6 +56,16 @@ async def test_poses_are_not_followed_as_joints(robot: aioduco.Robot, pool: Desk
     assert "trackJointMotion" not in pool.commands
 
 
+async def test_points_that_came_after_a_motion_was_made_are_not_taken_for_others(
+    robot: aioduco.Robot, pool: Desk
+) -> None:
+    motion = robot.track.trackJointMotion(1.0, 2.0)
+    await robot.track.trackEnqueue([Pose(*POSE)])
+    with pytest.raises(aioduco.RobotStateError, match="Pose into the pool"):
+        await motion
+    assert "trackJointMotion" not in pool.commands
+
+
 async def test_the_pool_holds_one_kind_until_it_is_empty(robot: aioduco.Robot, pool: Desk) -> None:
     await robot.track.trackEnqueue([Joints(*HOME)])
     with pytest.raises(aioduco.RobotStateError, match="were not sent"):
