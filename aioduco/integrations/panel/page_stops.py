@@ -97,9 +97,11 @@ class PageStops:
         tasks.start_soon(self._run, tasks, stopping)
 
     async def _run(self, tasks: TaskGroup, stopping: _Stopping) -> None:
-        failed = "the panel has ended"
+        failed = "the stop was not carried out"
         try:
-            failed = await self._stop()
+            # a stop that was sent runs to its end, also if the panel ends
+            with anyio.CancelScope(shield=True):
+                failed = await self._stop()
         finally:
             self._sent.remove(stopping)
             stopping.end(failed)

@@ -22,7 +22,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.typing import Subprotocol
 
 from aioduco.integrations.panel.page_connection import Allowance
-from aioduco.testing import eventually_async
+from aioduco.testing import Delay, FaultProxy, eventually_async
 
 if importlib.util.find_spec("viser") is None:  # which takes long to load
     pytest.skip("needs pip install 'aioduco[panel]'", allow_module_level=True)
@@ -163,6 +163,25 @@ async def test_no_other_request_stops(
         told, _ = await anyio.to_thread.run_sync(lambda: ask(panel, method, path, **headers))
         assert told == status
         assert bench.received("stop") == ()
+
+
+@pytest.mark.slow
+async def test_a_stop_while_the_panel_ends_is_confirmed(bench: Bench) -> None:
+    """It was answered that the panel has ended, although the arm was stopped."""
+    answers: list[tuple[int, dict[str, Any]]] = []
+    with FaultProxy(bench.host, bench.port) as proxy:
+        proxy.on("stop", Delay(reply=0.2), times=None)
+        async with (
+            anyio.create_task_group() as tasks,
+            Panel(proxy.host, proxy.port, **PATIENT) as panel,
+        ):
+
+            async def stop() -> None:
+                answers.append(await anyio.to_thread.run_sync(ask, panel, "POST", "/stop"))
+
+            tasks.start_soon(stop)
+            await eventually_async(lambda: proxy.calls("stop"))
+    assert [(status, said["stopped"]) for status, said in answers] == [(200, True)]
 
 
 @pytest.mark.slow
