@@ -32,7 +32,16 @@ if TYPE_CHECKING:
 
 
 #: channels with parts of samples
-_PARTS = ("/joint_states", "/joint_setpoints", "/tf", "/state", "/wrench", "/stream_setpoints")
+_PARTS = (
+    *("/joint_states", "/joint_setpoints", "/tf", "/state", "/wrench", "/stream_setpoints"),
+    "/commands",
+)
+#: the function that ends each mode in which the arm's commands are not known
+_MODES = {
+    "teach_mode": "end_teach_mode",
+    "fc_start": "fc_stop",
+    "start_realtime_mode": "end_realtime_mode",
+}
 _OPS = {field.name for field in dataclasses.fields(Op)}
 
 
@@ -146,14 +155,17 @@ def _samples(run: RecordedRun) -> Iterator[TwinSample]:
     pose: tuple[float, Six] | None = None
     state: dict[str, Any] = {}
     wrench: dict[str, Any] = {}
-    streaming = -1.0
+    streaming = -math.inf
+    #: the functions that end the modes that are on
+    modes: set[str] = set()
     pending: RecordedMessage | None = None
     for message in run.messages(*_PARTS):
         data = message.data
         if message.topic == "/joint_states":
             # the other channels of a sample come after it, with about the same time
             if pending is not None and setpoint is not None and state:
-                yield _sample(pending, setpoint, pose, state, wrench, streaming)
+                led = pending.time - streaming < 1.0 or bool(modes)
+                yield _sample(pending, setpoint, pose, state, wrench, led=led)
             pending = message
         elif message.topic == "/joint_setpoints":
             setpoint = message
@@ -165,6 +177,10 @@ def _samples(run: RecordedRun) -> Iterator[TwinSample]:
             wrench = data
         elif message.topic == "/stream_setpoints":
             streaming = message.time
+        elif message.topic == "/commands" and not data["error"]:
+            modes.discard(data["function"])
+            if data["function"] in _MODES:
+                modes.add(_MODES[data["function"]])
 
 
 def _sample(
@@ -173,7 +189,8 @@ def _sample(
     pose: tuple[float, Six] | None,
     state: dict[str, Any],
     wrench: dict[str, Any],
-    streaming: float,
+    *,
+    led: bool,
 ) -> TwinSample:
     fresh = pose is not None and abs(pose[0] - joints.time) < 1e-3
     external = wrench.get("external_torques")
@@ -191,7 +208,7 @@ def _sample(
         int(ProgramState.__members__.get(state["program"], ProgramState.STOPPED)),
         int(SafetyState.__members__.get(state["safety"], SafetyState.RUN)),
         int(state["collision_axis"]) if state["collision"] else 0,
-        joints.time - streaming < 1.0 and streaming >= 0.0,
+        led,
     )
 
 

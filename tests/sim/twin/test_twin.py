@@ -6,6 +6,7 @@ import asyncio
 import dataclasses
 import gc
 import json
+import time
 from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Any
@@ -26,6 +27,8 @@ from aioduco.kinematics import arm as arm_of
 from aioduco.recording import read
 from aioduco.sim import Simulator
 from aioduco.sim.twin import Cause, Quantity, TwinLimits, judge, learn
+from aioduco.sim.twin.data import TwinSample
+from aioduco.sim.twin.recorded import items
 from aioduco.supervision.events import TwinDiverged
 from aioduco.testing import eventually_async
 
@@ -108,6 +111,26 @@ async def test_a_recording_is_judged_with_the_tool_that_was_set_before_it(
         await robot.motion.movel(here @ aioduco.Pose(0, 0, -0.05, 0, 0, 0.6), v=0.1, a=0.5)
     judged = judge(tmp_path / "run.mcap")
     assert [each for each in judged if each.quantity is Quantity.PATH] == []
+
+
+async def test_in_a_recording_a_mode_leads_the_arm_until_its_end(
+    robot: aioduco.Robot, tmp_path: Path
+) -> None:
+    """The path of an arm under force control was judged: another program had moved it."""
+
+    async def some_samples() -> None:
+        at = time.monotonic() + 0.1
+        await robot.wait_for(lambda sample: sample.received_at > at)
+
+    async with robot.record(tmp_path / "run.mcap"):
+        await robot.force.fc_config([True] * 6, [0] * 6, [1000] * 6, [0.1] * 6)
+        await robot.force.fc_start()
+        await some_samples()
+        await robot.force.fc_stop()
+        await some_samples()
+    led = [each.led for each in items(read(tmp_path / "run.mcap")) if isinstance(each, TwinSample)]
+    assert any(led)
+    assert not led[-1]
 
 
 @pytest.mark.slow
