@@ -268,7 +268,9 @@ def _threads(clock: ProgramClock) -> None:
         notify(self, n)
 
     def started(self: Any) -> None:
-        if _asked_in_thread(2):
+        starter = sys._getframe(1).f_globals.get("__name__", "")
+        # the clock's own thread, too, has the program's start below it
+        if not starter.startswith("aioduco.") and _asked_in_thread(2):
             _own.add(self)
         # it waits until the thread runs: on a busy computer that would be minutes of the program
         clock.call_begins()
