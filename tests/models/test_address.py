@@ -96,6 +96,7 @@ ONCE = {
             *("models/address.py", "api/section.py", "devices/teleoperation/devices.py"),
             "integrations/panel/page_connection.py",  # the headers of HTTP
             "cli/preflight.py",  # a file and its line
+            "sim/twin/recorded.py",  # the class of an error, before its text
         },
     ),
     "writer of addresses": (

@@ -38,10 +38,8 @@ _BY_TOOL = ("servo_tcp", "servol")
 _JOG_SIGNS = {0: 1, 1: -1}
 _CARTESIAN = 1
 _OUT_OF_SPACE = 4
-#: the least way of the tool by which its speed says that of the joints [m/rad]
-_LEAST_WAY = 1e-6
-#: number of places on the way to a target at which the tool's speed is looked at, by a turn [rad]
-_LOOKS, _TURN = 16, 1e-6
+#: the least way of the tool by which its speed says that of the joints [m]
+_LEAST_WAY = 1e-9
 
 
 class OlderHandlers(Handlers):
@@ -149,16 +147,9 @@ class NewerHandlers(Handlers):
     def _by_joints(self, name: str, tuning: ServoTuning, at: Array, to: Array) -> ServoTuning:
         if name not in _BY_TOOL:
             return tuning
-        # Each joint turns at the same speed until it is there: the tool's highest is asked for.
-        way = to - at
-        turned = np.linspace(0.0, np.abs(way).max(), _LOOKS, endpoint=False)[:, None]
-        q = at + np.clip(way, -turned, turned)
-        moving = np.sign(way) * (np.abs(way) > turned)
-        tips = (self._arm.fkine(np.array([q, q + _TURN * moving])) @ self._frames.tool().matrix)[
-            ..., :3, 3
-        ]
-        fastest = float(np.linalg.norm(tips[1] - tips[0], axis=1).max()) / _TURN
-        ratio = 1.0 / max(fastest, _LEAST_WAY)
+        tool = self._frames.tool().matrix
+        start, end = ((self._arm.fkine(q) @ tool)[:3, 3] for q in (at, to))
+        ratio = float(np.abs(to - at).max()) / max(float(np.linalg.norm(end - start)), _LEAST_WAY)
         return replace(
             tuning,
             v=float(np.clip(tuning.v * ratio, *JOINT_SPEED[:2])),
