@@ -195,19 +195,29 @@ def test_one_left_open_is_closed_with_a_warning(desk: Desk) -> None:
 
 
 @pytest.mark.parametrize(
-    "wait",
-    [lambda robot: robot.sleep(600.0), lambda robot: robot.system.restart(timeout=600.0)],
+    ("wait", "polls"),
+    [
+        (lambda robot: robot.sleep(600.0), False),
+        (lambda robot: robot.system.restart(timeout=600.0), True),
+    ],
     ids=["sleep", "restart"],
 )
 def test_closing_ends_what_another_thread_waits_for(
-    desk: Desk, wait: Callable[[Robot], object]
+    desk: Desk, wait: Callable[[Robot], object], polls: bool
 ) -> None:
-    desk.answer("restart", TaskState.FINISHED)
+    polled = threading.Event()  # then it is known that `restart` was answered
+
+    def state(_: int) -> int:
+        polled.set()
+        return TaskState.FINISHED
+
+    desk.answer("restart", 77)
+    desk.answer("get_noneblock_taskstate", state)
     desk.states[0] = 1  # it initializes, and never ends that
     with ThreadPoolExecutor(1) as pool:
         with aioduco.sync.connect(desk.host, desk.port) as robot:
             call = pool.submit(wait, robot)
-            eventually(lambda: len(robot._runner._calls) == 1)
+            eventually(lambda: len(robot._runner._calls) == 1 and polled.is_set() == polls)
             with meanwhile(lambda: eventually(lambda: robot._runner.closing), robot.close):
                 robot.close()
         with pytest.raises(RobotStateError, match=r"the robot (is|was) closed"):
