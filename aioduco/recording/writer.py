@@ -292,7 +292,7 @@ class RecordingWriter(MessageWriter["FileChannels"]):
         if self.error is not None:
             with contextlib.suppress(OSError):
                 os.ftruncate(self._file, self.size)
-            self.written = self._saved
+            self.written: int = self._saved
         with contextlib.suppress(Exception):
             channels.close()  # after an error this does not complete the file
         with contextlib.suppress(OSError):

@@ -287,7 +287,8 @@ def test_the_scene_of_a_running_simulator_is_as_it_is_now() -> None:
 @for_each("gripper", ["robotiq_2f85", "vacuum"])
 def test_the_scene_of_a_simulator_has_its_gripper(gripper: str) -> None:
     box = Box(at=(0.4, 0.3, 0.05), size=(0.1, 0.1, 0.1), mass=0.5, name="box")
-    with Simulator(scene=[box], gripper=gripper, joints=READY) as simulator:
+    with Simulator(speed=math.inf, scene=[box], gripper=gripper, joints=READY) as simulator:
+        simulator.wait_until(lambda: simulator.time > 2.0)  # the fingers stand
         scene = Scene.from_simulator(simulator)
         rest = simulator.positions[6:]
     assert scene.loose == pytest.approx(rest, abs=1e-3)
