@@ -277,7 +277,7 @@ class ModbusSignals:
         """
         signal = self._signal(name)
         if signal.kind not in (ModbusKind.COIL, ModbusKind.REGISTER):
-            raise ValueError(f"{name!r} is a {signal.kind.name.lower()}")
+            raise ValueError(f"{name!r} cannot be written: its kind is {signal.kind.name.lower()}")
         self._write(name, signal, [value])
         signal.due = float("-inf")
 
