@@ -23,7 +23,7 @@ MountingLike: TypeAlias = Literal["floor", "wall", "ceiling"] | Sequence[float]
 
 
 def base_in_world(mounting: MountingLike, arm: Arm) -> Pose:
-    """Return the pose of an arm's base in the world, whose z axis is up and whose floor is at 0.
+    """Return the pose of an arm's base in the world, whose z axis is up.
 
     Args:
         mounting: "floor": at the origin; "wall": at 4/3 of the height that the arm reaches, its z

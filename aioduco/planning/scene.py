@@ -42,8 +42,8 @@ class Scene:
         scene = Scene("gcr5_910", [Box(at=(0.5, 0, 0.3), size=(0.04, 0.6, 0.6), name="wall")])
         scene.clearance(joints)
 
-    Positions are in the world's frame, as in `aioduco.sim.scene`: z is up, the floor is at 0, and
-    an arm on the floor has its base at the origin. Things stay where they are put; their masses
+    Positions are in the world's frame, as in `aioduco.sim.scene`: z is up, the floor is at -0.01,
+    and an arm on the floor has its base at the origin. Things stay where they are put; their masses
     have no effect. Several threads may use it at once.
 
     Args:

@@ -1,8 +1,8 @@
 """The mounting of the arm, the things around it, and its tool.
 
 Boxes, tables and springs are values that can be written as MJCF without MuJoCo; any other MJCF can
-be used instead. In a scene, positions are in the world's frame: the floor is at z = 0, and an arm
-on the floor has its base at the origin. In a tool, positions are in the frame of the flange.
+be used instead. In a scene, positions are in the world's frame: the floor is at z = -0.01, and an
+arm on the floor has its base at the origin. In a tool, positions are in the frame of the flange.
 """
 
 from __future__ import annotations
