@@ -23,7 +23,8 @@ ROUNDS = 3
 
 async def work(name: str, robot: aioduco.Robot, place: anyio.Lock) -> None:
     """Go into the shared place and out of it, never while the other arm is there."""
-    await robot.motion.movej2(AWAY, v=1.0, a=2.0)
+    async with place:  # it may stand there
+        await robot.motion.movej2(AWAY, v=1.0, a=2.0)
     for number in range(1, ROUNDS + 1):
         async with place:
             await robot.motion.movej2(SHARED, v=1.0, a=2.0)

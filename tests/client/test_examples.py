@@ -10,7 +10,9 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
+import anyio
 import pytest
 from example_modules import example
 from interpreter import python
@@ -211,6 +213,29 @@ def test_two_arms_are_two_or_simulated() -> None:
     ):
         done = python(str(EXAMPLES / "two_arms.py"), *arguments)
         assert (done.returncode, told in done.stdout + done.stderr) == (code, True), done
+
+
+async def test_no_arm_goes_into_the_shared_place_while_the_other_leaves_it() -> None:
+    """One that the program found there was on its way out, when the other one went in."""
+    module = example("two_arms")
+    sent: list[tuple[str, aioduco.Joints]] = []
+    out = asyncio.Event()
+
+    def arm(name: str) -> SimpleNamespace:
+        async def movej2(goal: aioduco.Joints, **_: float) -> None:
+            sent.append((name, goal))
+            await (out.wait() if name == "left" else asyncio.sleep(0))
+
+        return SimpleNamespace(motion=SimpleNamespace(movej2=movej2))
+
+    place = anyio.Lock()
+    async with anyio.create_task_group() as tasks:
+        for name in ("left", "right"):
+            tasks.start_soon(module.work, name, arm(name), place)
+        await anyio.wait_all_tasks_blocked()
+        assert ("right", module.SHARED) not in sent
+        out.set()
+    assert sent.count(("right", module.SHARED)) == module.ROUNDS
 
 
 def test_each_is_in_the_table_of_the_page() -> None:
