@@ -2,8 +2,9 @@
 
 Guarantees:
 - One request at a time: a second caller waits until the first request was answered or has failed.
-- The answer to an earlier request is not taken for the answer to this one: one that was cancelled
-  is waited for until its time-out is over, and old bytes in the controller's buffer are discarded.
+- The answer to an earlier request is not taken for the answer to this one: one that was cancelled,
+  or for which other bytes came, is waited for until its time-out is over, and old bytes in the
+  controller's buffer are discarded.
   A read's answer that comes after its time-out is not told from that of the next read of as many
   registers: nothing in it says which ones it has.
 - A request is never sent twice.
@@ -20,7 +21,14 @@ import anyio
 
 from aioduco._process.copying import Uncopied
 from aioduco.devices.bus import frames
-from aioduco.errors import Described, ModbusError, ModbusGarbled, ModbusTimeout, ParameterError
+from aioduco.errors import (
+    Described,
+    ModbusError,
+    ModbusGarbled,
+    ModbusRefused,
+    ModbusTimeout,
+    ParameterError,
+)
 from aioduco.models import ranges
 from aioduco.models.rules import Integer, Signed, Whole, WholesLike
 
@@ -47,7 +55,7 @@ class _Line:
 
     Attributes:
         lock: held by the request that is under way.
-        owed: a request that was cancelled, and may still be answered; None if there is none.
+        owed: a request that was given up, and may still be answered; None if there is none.
         until: time up to which it may be answered, of `time.monotonic` [s].
     """
 
@@ -218,14 +226,14 @@ class ModbusRtu(Uncopied):
                 await self._port.write(request.frame)
                 line.until = time.monotonic() + self._timeout
                 answer = await self._answer(request)
-            except ModbusError:
+            except ModbusRefused:
                 line.owed = None
                 raise
             line.owed = None
             return answer
 
     async def _wait_out(self) -> None:
-        """Wait until a request that was cancelled is not answered any more."""
+        """Wait until a request that was given up is not answered any more."""
         line = self._line
         while line.owed is not None and time.monotonic() < line.until:
             try:

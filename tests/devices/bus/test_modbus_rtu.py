@@ -117,6 +117,26 @@ async def test_a_spoilt_answer() -> None:
         await client(device).read_registers(0)
 
 
+async def test_the_answer_behind_garbled_bytes_reaches_nobody() -> None:
+    """Behind a byte of noise, it was taken for the answer to the next read."""
+    device = Device()
+    device.registers.update({7: 99, 8: 1})
+    polls = 0
+
+    async def read(count: int) -> bytes:
+        nonlocal polls
+        await anyio.lowlevel.checkpoint()
+        polls += 1
+        if polls == 2:
+            return b"\xff"
+        return await device.read(count) if polls > 5 else b""
+
+    modbus = ModbusRtu(Port(device.write, read), 1, timeout=30.0, poll=0.001)
+    with pytest.raises(aioduco.ModbusGarbled, match="begins with 255"):
+        await modbus.read_registers(7)
+    assert await modbus.read_registers(8) == (1,)
+
+
 async def test_a_refusal() -> None:
     device = Device()
     device.busy = 6
