@@ -505,11 +505,12 @@ class TrajectoryServer:
                 if await self._follow_part(part, tolerances):
                     await self._come_to_rest()
                     return None
+                reached = 0.0 if self.progress is None else self.progress.time
                 if self._paused:
                     self._due = math.inf
                     # an arm that was switched off meanwhile goes on by no resume
                     while not self._resumed.is_set():
-                        await self._standing()
+                        self._note_rest(await self._standing(), reached)
                         with anyio.move_on_after(_LOOK_PAUSED):
                             await self._resumed.wait()
                 actual = await self._standing()
@@ -517,13 +518,20 @@ class TrajectoryServer:
                 return error
             begin = anyio.current_time()
             path, tolerances = self._path, self._running.checked.tolerances
-            reached = 0.0 if self.progress is None else self.progress.time
-            at = nearest_time(path, actual, reached - _LAG, reached + _LAG)
-            away = np.abs(path.at(np.array([at]))[0] - np.asarray(actual))
-            if tolerances.path and np.any(away > tolerances.path):
-                text = f"a joint is {away.max():.4g} rad from the path on which it paused"
+            at, off = self._note_rest(actual, reached)
+            if tolerances.path and np.any(off > tolerances.path):
+                text = f"a joint is {off.max():.4g} rad from the path on which it paused"
                 return GoalEnded(ErrorCode.PATH_TOLERANCE_VIOLATED, text)
             part = self._rest(path, actual, at)
+
+    def _note_rest(
+        self, actual: Sequence[float], reached: float
+    ) -> tuple[float, NDArray[np.float64]]:
+        """Note where the arm came to rest, and return its time on the path and its distance."""
+        at = nearest_time(self._path, actual, reached - _LAG, reached + _LAG)
+        desired, here = self._path.at(np.array([at]))[0], np.asarray(actual)
+        self.progress = GoalProgress(at, desired, here, here - desired)
+        return at, np.abs(self.progress.error)
 
     def _rest(self, path: Any, actual: Sequence[float], begin: float) -> PathPart:
         self._rising = True

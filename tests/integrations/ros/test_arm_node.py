@@ -411,6 +411,22 @@ async def test_a_pause_while_a_goal_waits_is_of_the_motion_that_moves_the_arm(
 
 
 @pytest.mark.slow
+async def test_of_a_paused_goal_the_place_of_the_standing_arm_is_published(
+    node: ArmNode, sim: Simulator, sink: Sink
+) -> None:
+    """It was that of the last feedback, from which the arm had still braked."""
+    client = Client(goal(count=50, duration=4.0, far=1.5))
+    node.goals.submit(client)
+    await moving(client)
+    assert (await node.services.pause()).success
+    joints = np.array(sim.joints)
+    await eventually_async(lambda: sink.place and np.abs(sink.place.actual - joints).max() < 1e-3)
+    assert sink.place is not None
+    np.testing.assert_allclose(sink.place.desired, joints, atol=0.011)
+    np.testing.assert_allclose(sink.place.error, joints - sink.place.desired, atol=1e-3)
+
+
+@pytest.mark.slow
 async def test_what_is_published(node: ArmNode, sim: Simulator, sink: Sink) -> None:
     await eventually_async(lambda: sink.forces and "flange_controller" in sink.frames)
     # Samples from before the arm came to START may have been the newest.
