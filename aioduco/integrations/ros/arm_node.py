@@ -209,6 +209,7 @@ class ArmNode:
             recovered=self._allow,
             halted=self._ignore,
             twisting=lambda: self.twists.following,
+            streaming=lambda: self.twists.following or self.commands.following,
         )
         self.commands: JointCommands = JointCommands(
             robot,

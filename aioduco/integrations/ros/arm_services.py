@@ -44,6 +44,7 @@ class ArmServices:
         recovered: called when the arm was brought up or recovered, and not stopped meanwhile.
         halted: called before the arm is stopped or paused.
         twisting: returns whether speeds of the tool are followed, along axes of the tool in use.
+        streaming: returns whether these or joint commands are followed.
     """
 
     def __init__(
@@ -54,12 +55,14 @@ class ArmServices:
         recovered: Callable[[], None],
         halted: Callable[[], None],
         twisting: Callable[[], bool],
+        streaming: Callable[[], bool],
     ) -> None:
         self._robot = robot
         self._goals = goals
         self._recovered = recovered
         self._tell_halted = halted
         self._twisting = twisting
+        self._streaming = streaming
         self._halts = 0  # stops and pauses so far
         self._program = ""  # the program that `play` runs
         self._force_mode = False
@@ -185,6 +188,8 @@ class ArmServices:
     ) -> ServiceReply:
         """Let the arm give way to the force at the tool, until `stop_force_mode`.
 
+        No goal, joint command or twist must be followed.
+
         Args:
             selection: whether the arm gives way in each direction. Shape (6,).
             wrench: force that it maintains [N, N·m]. Shape (6,).
@@ -210,7 +215,7 @@ class ArmServices:
                 except DucoError as error:
                     await self._end_force_control(error)
 
-        return await self._unless_busy(run, "the arm gives way")
+        return _STREAM if self._streaming() else await self._unless_busy(run, "the arm gives way")
 
     async def _end_force_control(self, error: DucoError) -> NoReturn:
         """End force control in which the arm was not moved: it would yield in its next motion."""
@@ -379,6 +384,7 @@ class ArmServices:
 
 
 _BUSY = ServiceReply(False, "a trajectory goal is carried out; nothing was sent: cancel it first")
+_STREAM = ServiceReply(False, "joint commands or twists are followed; nothing was sent")
 _TWISTS = ServiceReply(False, "twists are followed along the tool's axes; nothing was sent")
 
 

@@ -85,7 +85,12 @@ async def test_no_service_raises_without_a_connection(name: str) -> None:
         busy=False, following=False, resume=lambda: False, stopped=lambda: None
     )
     services = ArmServices(
-        robot, goals, recovered=lambda: None, halted=lambda: None, twisting=lambda: False
+        robot,
+        goals,
+        recovered=lambda: None,
+        halted=lambda: None,
+        twisting=lambda: False,
+        streaming=lambda: False,
     )
     reply = await TABLE[name].call(services, ASKED)
     without = {"dashboard_client/load_program"}
@@ -215,6 +220,10 @@ async def test_twists_move_the_tool_while_they_arrive(node: ArmNode, sim: Simula
 
     async with sent(0.05, "base_link"):
         await eventually_async(lambda: np.abs(np.array(sim.joints) - START).max() > 0.03)
+        none = (0.0,) * 6
+        reply = await node.services.start_force_mode((True,) * 6, none, none, none, 0)
+        assert (reply.success, reply.message.endswith("nothing was sent")) == (False, True)
+        assert not await node.robot.force.fc_mode_is_active()
     # one that is too fast brings the arm to rest, and the next one is followed
     seen: list[Any] = [sim.time, np.array(sim.joints)]
 
