@@ -284,6 +284,7 @@ class ArmNode:
                     force = await state.get_tcp_force_tool()
                     sink.wrench(time.monotonic(), force.tolist())
             except DucoError as error:
+                self._position = ()
                 _log.debug("no joint states: %s", error)
                 await anyio.sleep(_RETRY)
 

@@ -454,6 +454,25 @@ async def test_what_is_published(node: ArmNode, sim: Simulator, sink: Sink) -> N
 
 
 @pytest.mark.slow
+async def test_no_old_place_of_the_arm_is_published_as_the_present_one(
+    node: ArmNode, sink: Sink, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    await eventually_async(lambda: sink.place)
+    silent = 0
+
+    async def lost(self: State) -> None:
+        nonlocal silent
+        silent += 1
+        raise ConnectionLost("the cable is out")
+
+    monkeypatch.setattr(State, "getRobotStatus", lost)
+    await eventually_async(lambda: silent > 1)
+    sink.place, silent = None, 0
+    await eventually_async(lambda: silent > 2)  # each in as long as two places take
+    assert sink.place is None
+
+
+@pytest.mark.slow
 async def test_the_force_is_along_the_axes_of_its_frame(
     node: ArmNode, sim: Simulator, sink: Sink
 ) -> None:
