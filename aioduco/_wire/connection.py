@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from aioduco._wire import codec, idl
 from aioduco._wire.deadline_socket import DeadlineSocket
-from aioduco._wire.failures import DeadlinePassed, failure, reason_of
+from aioduco._wire.failures import DeadlinePassed, failure, is_failure, reason_of
 from aioduco._wire.forks import fork_hooks
 from aioduco._wire.framing import Malformed
 from aioduco._wire.idempotence import CallKind, call_kind
@@ -286,7 +286,7 @@ class Connection:
         self._end(reason, keep=isinstance(exc, DeadlinePassed) and self._may_be_late(function))
         # an abandoned connection already has a reason, which caused the error of the system
         reason = self.reason
-        if not isinstance(exc, Exception):
+        if not is_failure(exc):
             return exc
         return failure(function, self.progress, exc, reason)
 

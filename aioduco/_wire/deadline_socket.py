@@ -180,8 +180,8 @@ class DeadlineSocket:
                 # the system's limit, which may end a little before or after the deadline
                 continue
             except TimeoutError as exc:
-                if exc.errno is not None:
-                    raise  # the system ended the connection; Python's own time-out has no errno
+                if _is_end(exc):
+                    raise
 
     def send_at_once(self, data: bytes) -> int:
         """Send without waiting, like `nonblocking.send_at_once`; only on an event loop.
@@ -224,7 +224,7 @@ class DeadlineSocket:
             try:
                 return self.receive_at_once()
             except (BlockingIOError, TimeoutError) as exc:
-                if isinstance(exc, TimeoutError) and exc.errno is not None:
+                if isinstance(exc, TimeoutError) and _is_end(exc):
                     raise
                 if self._waiting is not None:
                     self._waiting()
@@ -279,3 +279,8 @@ class DeadlineSocket:
         packed = struct.pack("@ll", *divmod(microseconds, 1_000_000))
         self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, packed)
         self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, packed)
+
+
+def _is_end(error: TimeoutError) -> bool:
+    """Whether the system or a signal handler ended a wait by this; else it is Python's limit."""
+    return limits_sockets() or error.args != ("timed out",)

@@ -15,6 +15,7 @@ from aioduco.errors import (
     CallTimeout,
     ConnectError,
     ConnectionLost,
+    DucoError,
     NotSent,
     OutcomeUnknown,
     ProtocolError,
@@ -39,6 +40,13 @@ _WORDS: Final = {
 
 class DeadlinePassed(Exception):
     """The deadline of an operation has passed."""
+
+
+def is_failure(exc: BaseException) -> bool:
+    """Whether a connection failed by this; else a signal handler raised it, as for Ctrl-C."""
+    if isinstance(exc, OSError):
+        return exc.errno is not None
+    return isinstance(exc, DeadlinePassed | DucoError | EOFError | Malformed)
 
 
 def reason_of(exc: BaseException, progress: Progress) -> str:

@@ -160,7 +160,8 @@ class DucoCobot(Uncopied, ManualFunctions):
     - An answer that reports an error of the controller raises `ControllerError`; with Thrift's
       library imported it is also a `TApplicationException`.
     - After a lost connection, `open` makes a new one. `stop` is sent without it, on a connection of
-      its own. After Ctrl-C in the middle of a call, all calls are sent as before.
+      its own. After Ctrl-C in the middle of a call, or what another signal's handler raises there,
+      all calls are sent as before.
 
     Arguments have the names of the vendor's class, and by keyword those of the manual as well. For
     `q_near`, `tool` and `wobj`, None and '' stand for the present one. Structs may be the vendor's
@@ -200,7 +201,7 @@ class DucoCobot(Uncopied, ManualFunctions):
         self._connection: Connection | None = None
         #: another object after each open() and close()
         self._session = object()
-        #: whether Ctrl-C ended the last call before its answer came
+        #: whether a signal ended the last call before its answer came
         self._interrupted = False
         # Held during a call. A signal handler in the middle of a call of its own thread, which
         # holds it, does not wait for itself.
@@ -395,10 +396,10 @@ class DucoCobot(Uncopied, ManualFunctions):
         connection.hand_over()
         try:
             return connection.call(name, args, self.timeout, permit)
-        except Exception:
+        except DucoError:
             raise
         except BaseException:
-            self._interrupted = True  # by Ctrl-C: it is not lost
+            self._interrupted = True  # by Ctrl-C or another signal: it is not lost
             raise
 
     @property

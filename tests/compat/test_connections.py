@@ -235,14 +235,23 @@ def test_a_stop_keeps_the_motion_of_a_signal_handler_back(
     assert not server.received("servoj")
 
 
+@pytest.mark.parametrize(
+    "error", [KeyboardInterrupt(), TimeoutError("it takes too long"), LookupError()], ids=repr
+)
 def test_after_an_interrupted_call_the_next_ones_are_sent(
-    server: RecordingServer, robot: DucoCobot
+    server: RecordingServer, robot: DucoCobot, error: BaseException
 ) -> None:
+    """By Ctrl-C, or by what the handler of another signal raises, such as an alarm's."""
+
+    def handler(*_: Any) -> None:
+        raise error
+
     motion = Blocking(server)
     server.answer("disable", 4)
-    with handled(motion, signal.default_int_handler):  # as Ctrl-C
-        with pytest.raises(KeyboardInterrupt):
+    with handled(motion, handler):
+        with pytest.raises(type(error)) as raised:
             robot.movej2(JOINTS, 1.0, 1.0, 0.0, True)
+        assert raised.value is error
         assert robot.stop(True) == robot.disable(True) == 4
         assert robot.robotmoving() is True
 
