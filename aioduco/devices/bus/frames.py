@@ -80,11 +80,14 @@ class Request:
         """The bytes to send."""
         return framed(bytes((self.unit, self.function)) + self.body)
 
+    @property
+    def length(self) -> int:
+        """Length of the answer, if it is no exception."""
+        return _SHORTEST + 2 * self.count if self.count else _ECHO
+
     def _length(self, got: bytes) -> int:
         """Return the length of the answer, or the minimum length while it is unknown."""
-        if len(got) < 2 or got[1] & _ERROR:
-            return _SHORTEST
-        return _SHORTEST + 2 * self.count if self.count else _ECHO
+        return _SHORTEST if len(got) < 2 or got[1] & _ERROR else self.length
 
     def missing_bytes(self, got: bytes) -> int:
         """Return the minimum number of missing bytes; 0 when the answer is complete."""

@@ -3,8 +3,8 @@
 Guarantees:
 - One request at a time: a second caller waits until the first request was answered or has failed.
 - The answer to an earlier request is not taken for the answer to this one: one that was cancelled,
-  or for which other bytes came, is waited for until its time-out is over, and old bytes in the
-  controller's buffer are discarded.
+  or for which other bytes came, is waited for until as many bytes as it has have come, or its
+  time-out is over, and old bytes in the controller's buffer are discarded.
   A read's answer that comes after its time-out is not told from that of the next read of as many
   registers: nothing in it says which ones it has.
 - A request is never sent twice.
@@ -56,12 +56,14 @@ class _Line:
     Attributes:
         lock: held by the request that is under way.
         owed: a request that was given up, and may still be answered; None if there is none.
+        come: number of bytes that have come for it.
         until: time up to which it may be answered, of `time.monotonic` [s].
     """
 
     def __init__(self) -> None:
         self.lock = anyio.Lock()
         self.owed: Request | None = None
+        self.come = 0
         self.until = 0.0
 
 
@@ -221,7 +223,8 @@ class ModbusRtu(Uncopied):
         async with line.lock:
             await self._wait_out()
             await self._drain()
-            line.owed, line.until = request, time.monotonic() + self._timeout
+            line.owed, line.come = request, 0
+            line.until = time.monotonic() + self._timeout
             try:
                 await self._port.write(request.frame)
                 line.until = time.monotonic() + self._timeout
@@ -234,10 +237,10 @@ class ModbusRtu(Uncopied):
 
     async def _wait_out(self) -> None:
         """Wait until a request that was given up is not answered any more."""
-        line = self._line
-        while line.owed is not None and time.monotonic() < line.until:
+        line, owed = self._line, self._line.owed
+        while owed and line.come < owed.length and time.monotonic() < line.until:
             try:
-                await self._answer(line.owed)
+                await self._answer(owed)
             except ModbusGarbled:  # a part of its answer was taken before
                 continue
             except ModbusError:
@@ -260,7 +263,8 @@ class ModbusRtu(Uncopied):
         got = b""
         while True:
             # Read no more than the missing bytes: bytes after the answer belong to no request.
-            got += await self._port.read(request.missing_bytes(got))
+            got += (piece := await self._port.read(request.missing_bytes(got)))
+            self._line.come += len(piece)
             answer = request.answer(got)
             if answer is not None:
                 return answer
