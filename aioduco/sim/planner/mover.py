@@ -67,11 +67,6 @@ class Travel(NamedTuple):
     law: TimeLaw
     speed: float
 
-    @property
-    def remaining(self) -> float:
-        """Time to its end at the global speed, if nothing changes before [s]."""
-        return (self.law.duration - self.law.time(self.distance)) / self.speed
-
     def ends_within(self, time: float) -> bool:
         """Whether it ends within a time [s]; computes the law only as far as this needs."""
         return self.law.over(self.law.time(self.distance) + (time + _SOON) * self.speed)
@@ -305,11 +300,6 @@ class Mover:
             self._tracking = False
         else:
             self._drop()
-
-    def reset(self, q: Array) -> None:
-        """Stand at once at q [rad], where brakes have held the arm, and drop the queue."""
-        self._drop()
-        self.setpoint = JointSetPoint.at_rest(q)
 
     def set_speed(self, fraction: float) -> None:
         """Set the global speed, 0.01 to 1: at a speed of 0.5 motions take twice as long."""

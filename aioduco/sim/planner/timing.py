@@ -134,9 +134,6 @@ class TimeLaw:
     A law from `fastest` is computed only as far as it was queried. That changes no result,
     only the time of the work. But a query may extend the law, so only one thread at a time may use
     it. A query about the whole law (its duration or the speed at its end) computes all of it.
-
-    Attributes:
-        start: s at the beginning.
     """
 
     __slots__ = (
@@ -150,7 +147,6 @@ class TimeLaw:
         "_t",
         "_v",
         "_waits",
-        "start",
     )
 
     def __init__(self, start: float, speed: float) -> None:
@@ -159,7 +155,6 @@ class TimeLaw:
         self._waits: list[tuple[float, float]] = []  # where they are, and when they begin
         self._ahead: Iterator[None] | None = None  # each step extends the law to the next node
         self._goal = start
-        self.start: float = start
         self._end = start
         self._duration = 0.0
         self._end_speed = speed

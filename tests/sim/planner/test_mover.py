@@ -469,7 +469,9 @@ def test_it_tells_how_far_a_motion_has_come() -> None:
         travel = travel_now()
         assert travel is not None
         assert travel.elapsed == pytest.approx(cycle * CYCLE)
-        assert travel.elapsed + travel.remaining == pytest.approx(duration, abs=1e-6)
+        left = duration - travel.elapsed
+        assert travel.ends_within(left + 1e-6)
+        assert not travel.ends_within(left - 1e-6)
         assert travel.distance + travel.left == pytest.approx(0.25, abs=1e-9)
         reached = np.linalg.norm(FIVE.fkine(run.q[-1])[:3, 3] - at()[:3, 3])
         assert travel.distance == pytest.approx(reached, abs=2e-5)
@@ -481,16 +483,6 @@ def test_it_tells_how_far_a_motion_has_come() -> None:
     run.until_rest()
     assert travel_now() is None
     assert len(run.setpoints) > left + 40
-
-
-def test_reset_stands_elsewhere_at_once() -> None:
-    run = Recorder(moving(joints(1.0)))
-    run.tick(200)
-    run.mover.reset(HOME)
-    assert not run.mover.moving
-    run.tick()
-    assert run.kinds == [(1, "started"), (1, "stopped")]
-    np.testing.assert_array_equal(run.q[-1], HOME)
 
 
 @pytest.mark.parametrize("seed", range(40))

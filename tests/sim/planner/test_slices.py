@@ -243,8 +243,8 @@ def test_a_law_knows_early_that_it_does_not_end_soon(monkeypatch: pytest.MonkeyP
     assert mover.travel is not None
     assert not mover.travel.ends_within(0.1)
     assert len(rates) < 500
-    assert mover.travel.ends_within(mover.travel.remaining)
-    assert not mover.travel.ends_within(mover.travel.remaining - 1e-6)
+    assert mover.travel.ends_within(mover.time_left)
+    assert not mover.travel.ends_within(mover.time_left - 1e-6)
 
 
 # -- drafts ----------------------------------------------------------------------------------------
@@ -308,10 +308,8 @@ def test_what_it_was_drafted_from_has_to_hold() -> None:
     mover.append(2, to(0.2))
     assert not mover.take(first)  # the queue ends elsewhere
     assert mover.keys == (2,)
-    mover.reset(HOME + 0.1)
-    assert not mover.take(first)  # the arm stands elsewhere
-    mover.reset(HOME)
-    assert mover.take(first)
+    assert not Mover(FIVE, HOME + 0.1, CYCLE).take(first)  # the arm stands elsewhere
+    assert moving().take(first)
 
 
 def test_what_is_left_of_a_long_motion_is_freed_where_the_next_one_is_planned() -> None:
