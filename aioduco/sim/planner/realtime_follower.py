@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, TypeAlias
 
 import numpy as np
 
@@ -70,8 +70,8 @@ class RealtimeCommand:
         return np.array(given) if given else None
 
 
-class RealtimeQueue(Fifo[RealtimeCommand]):
-    """The queue of points for realtime control."""
+#: the queue of points for realtime control
+RealtimeQueue: TypeAlias = Fifo[RealtimeCommand]
 
 
 def mismatch(
@@ -183,18 +183,12 @@ class RealtimeFollower(TargetFollower):
                 )
             return
         self._starved = 0.0
-        arm, q = self._arm, self.setpoint.q
         values = command.values(self._what)
-        if not self._began:
-            wrong = mismatch(arm, q, command, self._what, self._tool, self._wobj)
-            if wrong:
+        if values is None or not self._began:
+            arm, q = self._arm, self.setpoint.q
+            if wrong := mismatch(arm, q, command, self._what, self._tool, self._wobj):
                 raise FollowError(f"realtime control: {wrong}", self.severity)
             self._began = True
-        if values is None:
-            raise FollowError(
-                f"realtime control: a point has no {self._what.name.lower().replace('_', ' ')}",
-                self.severity,
-            )
         self._target = values
 
     def _to(self, q: Array) -> JointSetPoint:
