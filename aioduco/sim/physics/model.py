@@ -124,30 +124,13 @@ def _solid(parent: ET.Element, link: Body, name: str) -> None:
         )  # fmt: skip
 
 
-def compose(arm: str, scene: str | None, tool: str | None) -> Any:
-    """Compile an arm with its tool and its scene.
+def assemble(arm: str, scene: str | None, tool: str | None) -> Any:
+    """Build MuJoCo's specification of an arm with its tool and its scene, to be `compiled`.
 
     The arm comes first, so that its joints, drives and sensors have the first indices. Names of a
     scene get the prefix "scene/", those of a tool "tool/". Options of both have no effect: those of
     the arm apply, since its drives are made for its time step. A plane of the scene with the name
     "floor" replaces the arm's.
-
-    Args:
-        arm: the arm as MJCF, with a body "flange" and a geom "floor".
-        scene: MJCF, or the path of a file of it; placed in the world.
-        tool: likewise, rigidly placed at the flange.
-
-    Returns:
-        The compiled model.
-
-    Raises:
-        SceneError: MuJoCo rejects the scene or the tool; the message says why.
-    """
-    return compiled(assemble(arm, scene, tool))
-
-
-def assemble(arm: str, scene: str | None, tool: str | None) -> Any:
-    """Build MuJoCo's specification of the model that `compose` compiles.
 
     Args:
         arm: the arm as MJCF, with a body "flange" and a geom "floor".

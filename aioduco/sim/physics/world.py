@@ -12,7 +12,7 @@ from aioduco.models.rotation import Array, transform
 from aioduco.sim.cycle import PlantReading
 from aioduco.sim.physics.dynamics import InverseDynamics, mount
 from aioduco.sim.physics.gripper import Hand, gripper_mjcf
-from aioduco.sim.physics.model import SERVOS, assemble, compiled, compose, dressed, mjcf
+from aioduco.sim.physics.model import SERVOS, assemble, compiled, dressed, mjcf
 from aioduco.sim.physics.parts import Parts, add_welds
 
 if TYPE_CHECKING:
@@ -116,7 +116,7 @@ class World:
         #: the loose things of the scene
         self.parts: Parts = Parts(self.model, self.data, self.hand, self.geom_label)
         # The servos' model: the arm with the tool and the load that was set, without the scene.
-        self._known = InverseDynamics(compose(bare, None, tool))
+        self._known = InverseDynamics(compiled(assemble(bare, None, tool)))
         self._stiffness = self.model.actuator_gainprm[:6, 0].copy()
         self._damping = -self.model.actuator_biasprm[:6, 2] / self._stiffness
         self._timestep = timestep
