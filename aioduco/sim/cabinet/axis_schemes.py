@@ -206,10 +206,6 @@ class SimulatedExternalAxes:
         """Deactivate a scheme."""
         self._scheme(name).active = False
 
-    def check_active(self, name: str) -> None:
-        """Check that a scheme may be used."""
-        self._active(name)
-
     def to(self, name: str, target: Sequence[float], speed: float) -> ExternalAxesMove:
         """Make the move of a scheme to positions.
 
@@ -221,7 +217,7 @@ class SimulatedExternalAxes:
         Raises:
             PlanError: an axis would leave its range.
         """
-        scheme = self._active(name)
+        scheme = self.active(name)
         axes = [self._axes[number] for number in scheme.axes]
         for axis, end in zip(axes, target, strict=False):
             if outside(end, axis.lower, axis.upper):
@@ -237,7 +233,7 @@ class SimulatedExternalAxes:
             direction: 1 or -1.
             share: share of the axis's jog speed, 0 to 1.
         """
-        number = self._active(name).axes[0]
+        number = self.active(name).axes[0]
         axis = self._axes[number]
         speed = share * (axis.jog or axis.velocity)
         return self._move((number,), [axis.upper if direction > 0 else axis.lower], [speed])
@@ -255,7 +251,8 @@ class SimulatedExternalAxes:
             np.array([axis.braking or axis.acceleration for axis in axes]),
         )
 
-    def _active(self, name: str) -> Scheme:
+    def active(self, name: str) -> Scheme:
+        """Give a scheme that may be used."""
         scheme = self._scheme(name)
         if not scheme.active:
             raise illegal(f"scheme {name!r} is not active")
