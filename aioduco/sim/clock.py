@@ -70,9 +70,7 @@ class CycleSchedule:
         return delay
 
     def due(self, now: float) -> int:
-        """Number of cycles that are due at `now`."""
-        if not self.period:
-            return 1
+        """Number of cycles that are due at `now`, where they have a period."""
         return max(0, math.floor((now - self._start) / self.period) - self._count)
 
     def drop(self, now: float) -> None:

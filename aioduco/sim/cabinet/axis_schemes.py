@@ -5,7 +5,6 @@ They have no mechanics: each follows its set-point exactly. Poses do not depend 
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -151,8 +150,6 @@ class SimulatedExternalAxes:
         A known axis keeps its position; a new one starts at the position nearest to zero.
         """
         _check_number(number)
-        if not all(map(math.isfinite, axis)):
-            raise mismatch(f"an axis has finite numbers, not {list(axis)}")
         if not (axis.lower < axis.upper and axis.velocity > 0.0 and axis.acceleration > 0.0):
             raise mismatch("an axis has a way, a highest speed and an acceleration")
         if any(number in scheme.axes and scheme.active for scheme in self._schemes.values()):

@@ -208,9 +208,6 @@ class ModbusSignals:
         self.slaves: dict[tuple[str, int], ModbusSlave] = {}
         self._signals: dict[str, ModbusSignal] = {}
 
-    def __contains__(self, name: str) -> bool:
-        return name in self._signals
-
     def add(self, name: str, signal: ModbusSignal) -> None:
         """Define a signal.
 

@@ -153,10 +153,8 @@ class ForceTasks:
             self._tare()
 
     def tick(self, setpoint: JointSetPoint) -> JointSetPoint:
-        """Give the drives' set-point for the motions' set-point."""
+        """Give the drives' set-point for the motions' set-point, while force control is active."""
         control, motion, sensed = self.control, self._motion, self.sensed
-        if not control.active:
-            return setpoint
         guiding = motion.following is not None and motion.following.kind == _GUIDING
         setpoint, outcome = control.tick(setpoint, sensed, compliant=motion.moving and not guiding)
         if outcome is not None:
