@@ -16,10 +16,12 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from aioduco._process.copying import Uncopied
+from aioduco._wire import idl
 from aioduco._wire.messages import Message, MessageType, application_error
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.rules import Integer, Number, stored
+from aioduco.models.similar import did_you_mean
 
 _SEQID_RANGE: Final = 1 << 32
 _SHARE: Final = Number(0.0, 1.0, source="this package")
@@ -238,7 +240,7 @@ Plan = Callable[[int, str], Fault | None]
 
 def _fault(given: object) -> Fault:
     if not isinstance(given, Fault):
-        raise ParameterError("fault", given, "a fault, such as Delay(0.1)")
+        raise ParameterError("fault", given, "a fault, such as Cut(Place.BEFORE_REPLY)")
     return given
 
 
@@ -346,7 +348,14 @@ class Script(Uncopied):
             fault: the fault.
             times: number of calls to which it is applied; None for all.
             skip: number of calls of the method that pass unchanged before.
+
+        Raises:
+            ParameterError: there is no such function or fault, or a number is out of range.
         """
+        known = idl.names()
+        if method not in known:
+            expected = f"a function of the wire{did_you_mean(str(method), known)}"
+            raise ParameterError("method", method, expected)
         rule = _Rule(
             _fault(fault), _TIMES("skip", skip), None if times is None else _TIMES("times", times)
         )

@@ -10,11 +10,8 @@ from typing import TYPE_CHECKING, Self
 import anyio
 from anyio.from_thread import start_blocking_portal
 
-from aioduco._wire import idl
-from aioduco.errors import ParameterError
 from aioduco.models.ranges import PORT
-from aioduco.models.similar import did_you_mean
-from aioduco.testing.faults import Ending, Fault, Script
+from aioduco.testing.faults import Ending, Script
 from aioduco.testing.records import CallRecord, ConnectionRecord, ProxyStatistics, Records
 from aioduco.testing.relay import AwaitedSocket, Relay, Valve
 
@@ -88,28 +85,6 @@ class FaultProxy(Script):
 
     async def __aexit__(self, *_: object) -> None:
         self.__exit__()
-
-    # Faults of calls
-
-    def on(self, method: str, fault: Fault, *, times: int | None = 1, skip: int = 0) -> None:
-        """Apply a fault to calls of one method.
-
-        Args:
-            method: name of the function on the wire.
-            fault: the fault.
-            times: number of calls to which it is applied; None for all.
-            skip: number of calls of the method that pass unchanged before.
-
-        Raises:
-            ParameterError: there is no such function, or no such fault.
-        """
-        known = idl.names()
-        if method not in known:
-            rule = f"a function of the wire{did_you_mean(str(method), known)}"
-            raise ParameterError("method", method, rule)
-        if not isinstance(fault, Fault):
-            raise ParameterError("fault", fault, "a fault, such as Cut(Place.BEFORE_REPLY)")
-        super().on(method, fault, times=times, skip=skip)
 
     def clear(self) -> None:
         """Remove all faults of calls, forward again, and accept connections again."""

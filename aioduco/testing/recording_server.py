@@ -110,12 +110,8 @@ class RecordingServer(Uncopied):
         try:
             answer = self._answers[method]
         except KeyError:
-            raise _NoAnswer(f"{method} has no answer in this server's script") from None
+            raise Refusal(f"{method} has no answer in this server's script") from None
         return answer(*args) if callable(answer) else answer
-
-
-class _NoAnswer(Refusal):
-    """A function was called that is not in the script."""
 
 
 class _Answering:
