@@ -86,7 +86,7 @@ class Cell:
             assert outcome is None
             world.step(point)
             self.forces.append(self.control.sensor.reading(world.wrench))
-            self.tips.append(world.flange()[:3, 3])
+            self.tips.append(world.arm.fkine(world.q)[:3, 3])
         return np.array(self.forces[begun:])
 
 

@@ -146,7 +146,6 @@ class World:
         self._last_link = self.model.body("flange").id
         self._root = self.model.body("base").id
         self._turn = self.mounting.matrix[:3, :3]
-        self._base = self.mounting.inverse().matrix
         self._braked = False
         self._dry: Array = np.zeros(6)
         #: force and torque on the flange along the world's axes, shape (2, 3); None for no push
@@ -389,10 +388,3 @@ class World:
         if name == "flange" or name.startswith("tool"):
             return f"the {name.partition('/')[0]}"
         return name.removeprefix("scene/") or "a thing without a name"
-
-    def flange(self) -> Array:
-        """Give the pose of the flange in the base frame. Shape (4, 4)."""
-        # After a step, the frames are still those of its beginning.
-        mujoco.mj_kinematics(self.model, self.data)
-        turn = self.data.site_xmat[self._flange].reshape(3, 3)
-        return self._base @ transform(turn, self.data.site_xpos[self._flange])

@@ -14,7 +14,6 @@ from aioduco.errors import ParameterError
 from aioduco.models.enums import RobotState
 from aioduco.models.pose import Pose
 from aioduco.sim import ArmProfile, Estimate, Simulator
-from aioduco.sim.physics.world import World
 from sim.conftest import Connect, Started, advance_until, standing_time
 
 from .made import READY, exact, hidden_geometry
@@ -106,12 +105,6 @@ def test_poses_are_those_of_the_profiles_table_and_lines_lead_to_them(started: S
         return reached.almost_equal(goal, position=1e-6, rotation=1e-5)
 
     sim.wait_until(is_there)  # the arm still settles when its task has ended
-
-
-def test_the_flange_of_the_physics_is_where_the_table_puts_it() -> None:
-    for seed in range(3):
-        arm = hidden_geometry(np.random.default_rng(seed)).arm
-        assert World(arm, q=READY).flange() == pytest.approx(arm.fkine(READY), abs=1e-9)
 
 
 def test_solutions_of_a_corrected_arm_reach_the_pose() -> None:
