@@ -178,49 +178,6 @@ def test_brakes_stop_a_moving_arm() -> None:
     np.testing.assert_allclose(world.q, stood, atol=1e-6)
 
 
-def test_a_load_is_felt_at_the_flange_and_carried_by_the_joints() -> None:
-    q = np.array([0.3, 0.5, 1.2, -0.1, -1.2, 0.4])
-    world = World(FIVE, q=q)
-    stand(world)
-    empty = world.reading().torque
-    np.testing.assert_allclose(world.wrench, np.zeros(6), atol=1e-4)
-    world.load(2.0, (0.01, 0.02, 0.1))
-    stand(world)
-    turn = FIVE.fkine(q)[:3, :3]
-    weight = np.array([0.0, 0.0, -2.0 * GRAVITY])
-    torque = np.cross(turn @ [0.01, 0.02, 0.1], weight)
-    np.testing.assert_allclose(turn @ world.wrench[:3], weight, atol=1e-3)
-    np.testing.assert_allclose(turn @ world.wrench[3:], torque, atol=1e-3)
-    lifted = -FIVE.jacobian(q).T @ np.concatenate([weight, torque])
-    np.testing.assert_allclose(world.reading().torque - empty, lifted, atol=1e-3)
-    assert np.abs(world.q - q).max() < 1e-5
-    world.load(0.0)
-    stand(world)
-    np.testing.assert_allclose(world.reading().torque, empty, atol=1e-3)
-
-
-def test_a_push_at_the_flange_is_felt_and_resisted() -> None:
-    q = np.array([0.3, 0.5, 1.2, -0.1, -1.2, 0.4])
-    world = World(FIVE, q=q)
-    stand(world)
-    idle = world.reading().torque
-    push = np.array([20.0, -10.0, 5.0, 0.5, 1.0, -0.5])
-    world.push(push.tolist())
-    hold = JointSetPoint.at_rest(q)
-    for _ in range(1000):
-        world.step(hold)
-    turn = FIVE.fkine(world.q)[:3, :3]
-    np.testing.assert_allclose(turn @ world.wrench[:3], push[:3], atol=0.05)
-    np.testing.assert_allclose(turn @ world.wrench[3:], push[3:], atol=0.05)
-    resisted = -FIVE.jacobian(world.q).T @ push
-    np.testing.assert_allclose(world.reading().torque - idle, resisted, atol=0.3)
-    assert 1e-6 < np.abs(world.q - q).max() < 5e-3
-    world.push([0.0] * 6)
-    for _ in range(1000):
-        world.step(hold)
-    assert np.abs(world.q - q).max() < 1e-6
-
-
 def test_reset_stands_elsewhere_at_once() -> None:
     world = World(FIVE, q=HOME)
     world.push([5.0] * 6)
