@@ -7,7 +7,7 @@ import logging
 import math
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import partial
 from types import SimpleNamespace
 from typing import cast
@@ -60,21 +60,6 @@ class Follower:
     def reading(self) -> PlantReading:
         q, none = self.q.copy(), np.zeros(6)
         return PlantReading(q, q, none, none, none, none, none, none)
-
-    def carry(self, mass: float, centre: Sequence[float]) -> None:
-        self.carried = (mass, tuple(centre))
-
-    def set_modelled_load(self, mass: float, centre: Sequence[float]) -> None:
-        self.told = (mass, tuple(centre))
-
-    def drag(self, dry: Sequence[float], viscous: Sequence[float]) -> None:
-        """Change nothing."""
-
-    def push(self, wrench: Sequence[float]) -> None:
-        self.pushed = tuple(wrench)
-
-    def load(self, mass: float, centre: Sequence[float]) -> None:
-        self.loaded = (mass, tuple(centre))
 
 
 @pytest.fixture
@@ -425,20 +410,3 @@ def test_a_snapshot_derives_what_nobody_else_can_change(runtime: SimulationRunti
     other = snapshot.view._replace(speed=5.0)
     assert snapshot.seen(other).view is other
     assert snapshot.seen(other).q is snapshot.q
-
-
-def test_a_push_and_a_load_reach_the_physics_with_the_next_cycle(
-    runtime: SimulationRuntime, arm: Follower
-) -> None:
-    enable(runtime)
-    runtime.push((1.0, 2.0, 3.0, 0.0, 0.0, 0.0))
-    runtime.load(2.0, (0.0, 0.0, 0.1))
-    assert runtime.wait_until(lambda: hasattr(arm, "pushed") and hasattr(arm, "loaded"), 10.0)
-    assert arm.pushed == (1.0, 2.0, 3.0, 0.0, 0.0, 0.0)
-    assert arm.loaded == (2.0, (0.0, 0.0, 0.1))
-    runtime.carry(1.0, (0.0, 0.0, 0.2))
-    assert runtime.wait_until(lambda: hasattr(arm, "carried"), 10.0)
-    runtime.load(3.0, (0.0, 0.0, 0.1))
-    assert runtime.wait_until(lambda: getattr(arm, "told", None) == (3.0, (0.0, 0.0, 0.1)), 10.0)
-    runtime.push((0.0,) * 6)
-    assert runtime.wait_until(lambda: arm.pushed == (0.0,) * 6, 10.0)
