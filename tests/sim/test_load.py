@@ -7,7 +7,6 @@ import math
 import pytest
 
 from aioduco._wire.rpc import Op
-from aioduco.errors import ParameterError
 from aioduco.kinematics import arm
 from aioduco.models.enums import TaskState
 from aioduco.sim.scene import Rod
@@ -76,12 +75,6 @@ def test_friction_is_felt_against_the_motion(sim: Simulator, robot: Program) -> 
         )
         advance_until(sim, lambda: min(map(abs, robot.get_actual_joints_speed())) > 0.05)
         assert robot.get_ext_torque() == pytest.approx([0.0] * 6, abs=0.2)
-
-
-@pytest.mark.parametrize("wrong", [[1.0] * 5, [1.0] * 5 + [-1.0], [math.nan] * 6])
-def test_drag_is_six_numbers(sim: Simulator, wrong: list[float]) -> None:
-    with pytest.raises(ParameterError, match="dry"):
-        sim.drag(wrong)
 
 
 def test_an_arm_may_have_lengths_of_its_own() -> None:

@@ -477,6 +477,8 @@ def test_wrong_options_are_named(options: dict[str, object], said: str) -> None:
         ("load", (1.0, None), "centre is None"),
         ("load", ("x",), "mass is 'x'"),
         ("drag", (np.ones((6, 1)),), "dry is"),  # this ended the simulation
+        ("drag", ([1.0] * 5,), "dry is"),
+        ("drag", ([1.0] * 5 + [-1.0],), "dry[5] is -1"),
         ("drag", ([1.0] * 6, ["1"] * 6), "viscous[0] is '1'"),
         ("collide", (None,), "joint is None"),
         ("collide", (2.7,), "joint is 2.7"),
