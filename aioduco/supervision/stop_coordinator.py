@@ -62,10 +62,8 @@ _log = BackgroundLogger(__name__)
 _PAUSE_LIMIT = 10.0
 #: seconds for the controller to return where the arm is
 _ASK_LIMIT = 0.5
-#: seconds between two checks whether the controller has stopped the arm by itself
-_LAPSED_EVERY = 0.05
-#: seconds between two checks whether a command that is on its way was overtaken by a stop
-_OVERTAKEN_EVERY = 0.05
+#: seconds between two looks at what is waited for
+_LOOK_EVERY = 0.05
 #: seconds within which a peer acknowledges received bytes, on any network that carries motions
 _ACKNOWLEDGED = 0.25
 #: seconds within which an arm that its controller stops has come to rest
@@ -263,12 +261,7 @@ class StopCoordinator:
         self._poll.owner_loop.require(what)
 
     async def joints(self) -> Sequence[float]:
-        """Read where the arm is: the angles of its joints [rad].
-
-        Raises:
-            ConnectionLost: the controller does not answer.
-            StaleState: it answers fewer than six angles, or some that are not finite.
-        """
+        """Read where the arm is [rad]; it raises what `Task.progress` does."""
         return joints_of(await self._poll.call("get_actual_joints_position", (), _ASK_LIMIT))
 
     async def stop_stream(self, ending: str) -> None:
@@ -368,9 +361,7 @@ class StopCoordinator:
     ) -> BaseException | None:
         """Wait until the result of a command is certain; `answered` describes it.
 
-        Args:
-            call, permit, timeout, followed: see there.
-            entered: what ends the mode that it enters, if that was not on; else empty.
+        `entered` is what ends the mode that it enters, if that was not on; else it is empty.
         """
         cancelled: BaseException | None = None
         if followed:
@@ -379,7 +370,7 @@ class StopCoordinator:
             try:
                 with anyio.move_on_after(timeout):
                     while not (call.handed_over and self.overtaken(permit)):
-                        if await call.wait(_OVERTAKEN_EVERY):
+                        if await call.wait(_LOOK_EVERY):
                             break
             except BaseException as exc:
                 cancelled = exc
@@ -573,8 +564,8 @@ class StopCoordinator:
             Whether anything is paused, as far as that is known.
         """
         with self.gate.stop(PermitEnding.PAUSED):
-            # Of these, the controller may serve any after the pause. What blocks has no deadline.
-            overtaken = [call for call in self.pending if call.deadline is not None]
+            # Of these, the controller may serve any after the pause; what waits is not sent.
+            overtaken = [call for call in self.pending if call.handed_over]
             if self.streams:
                 # A stream follows a clock, and cannot go on later; nor may what it has sent.
                 await self.send_stop(self._settings.stop_timeout)
@@ -584,9 +575,18 @@ class StopCoordinator:
             self.unfollowed_motion |= self.gate.resumed or ended
             await self._controlled("pause")
             for call in overtaken:
-                await call.wait(self._settings.call_timeout)  # else its sender stops the arm
-            if overtaken:
-                await self._controlled("pause")
+                if call.deadline is not None:
+                    await call.wait(self._settings.call_timeout)  # else its sender stops the arm
+            until = time.monotonic() + self._settings.call_timeout
+            async for due in every(_LOOK_EVERY):
+                if overtaken:
+                    await self._controlled("pause")
+                # Only this tells that the controller has a call that is answered at its end.
+                if all(call.ended_at or call.deadline for call in overtaken) or await self.paused():
+                    break
+                if due >= until:
+                    await self.halt()
+                    break
             await self.standstill()
         return await self.paused()
 
@@ -679,7 +679,7 @@ class StopCoordinator:
             The error for the motions that were running.
         """
         since: float | None = None
-        async for due in every(_LAPSED_EVERY):
+        async for due in every(_LOOK_EVERY):
             if not self._beats_lapsed():
                 since = None
             elif since is None:

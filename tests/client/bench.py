@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from aioduco._wire import rpc
-from aioduco.models.enums import TaskState
+from aioduco.models.enums import ProgramState, TaskState
 from aioduco.testing import RecordingServer
 
 #: index of the blend radius among the arguments of each motion
@@ -255,8 +255,9 @@ class Bench(RecordingServer):
     def _pause(self, block: bool) -> int:
         with self._lock:
             now = time.monotonic()
-            for task in self.tasks.values():
-                self._advance(task, now)
+            states = [self._advance(task, now) for task in self.tasks.values() if task.motion]
+            if not all(state.ended for state in states):
+                self.states[1] = ProgramState.PAUSED
             self._paused_at = now
             return self._add(BenchTask("pause", now, now, motion=False))
 
@@ -269,6 +270,7 @@ class Bench(RecordingServer):
                         task.begin += now - self._paused_at
                         task.end += now - self._paused_at
                 self._paused_at = None
+            self.states[1] = ProgramState.STOPPED
             return self._add(BenchTask("resume", now, now, motion=False))
 
     def _switch(self, name: str, robot: int) -> int:
