@@ -75,8 +75,7 @@ class Force(Section):
 
         Manual section 1.3.10.
         """
-        await self._check_standstill("fc_stop")
-        await self._carry_out(calls.fc_stop(), _LIMIT)
+        await self._carry_out_standing(calls.fc_stop(), _LIMIT)
         self._supervisor.stop_coordinator.modes.force_control = False
 
     async def fc_config(

@@ -337,18 +337,19 @@ class Section(Uncopied, ManualNames):
             raise Refused(call.name, answer, why)
         return answer
 
-    async def _check_standstill(self, function: str) -> None:
-        """Check that the arm stands, before a function that would make a moving arm jump.
-
-        The arm swings a little after the end of a motion, so the check allows some time for that.
-
-        Args:
-            function: the function of the wire that is to be called.
+    async def _carry_out_standing(self, call: WireCall[int], timeout: float) -> None:
+        """As `_carry_out`, of a function that would make a moving arm jump.
 
         Raises:
-            RobotStateError: the arm moves.
+            RobotStateError: the arm moves; nothing was sent.
         """
-        self._supervisor.check_open(function)
+        self._supervisor.check_open(call.name)
+        async with self._supervisor.dispatcher.in_order:
+            await self._check_standstill(call.name)
+            await self._carry_out(call, timeout)
+
+    async def _check_standstill(self, function: str) -> None:
+        """Check that the arm stands; it may swing a little after the end of a motion."""
         ticker = every(_ASK_AGAIN)
         until = ticker.due + _SETTLING
         async for due in ticker:

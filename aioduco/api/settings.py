@@ -115,8 +115,7 @@ class Settings(Section):
         Manual section 1.3.7.
         """
         sim_ = ranges.FLAG("sim", sim)
-        await self._check_standstill("simulation")
-        await self._perform(calls.simulation(sim_, False), _LIMIT)
+        await self._carry_out_standing(calls.simulation(sim_, False), _LIMIT)
 
     async def get_simulation_state(self) -> bool:
         """Tell whether the controller simulates the arm (仿真状态).

@@ -80,6 +80,11 @@ class Dispatcher:
         self.require_opened: Callable[[str], object] = lambda _: None
         self.check_software: Callable[[str], Awaitable[object]] | None = None
 
+    @property
+    def in_order(self) -> anyio.Lock:
+        """Held while a motion is being sent, until its result is certain."""
+        return self._order
+
     async def quiet(self, timeout: float) -> None:
         """Wait until no command is on its way; after the gate was closed, none follows."""
         with anyio.move_on_after(timeout):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import threading
 
 import anyio
 import pytest
@@ -247,18 +246,36 @@ async def test_the_arm_must_stand(robot: aioduco.Robot, desk: Desk, name: str) -
     assert len(desk.received(name)) == 1
 
 
-async def test_a_motion_that_begins_meanwhile_counts(robot: aioduco.Robot, desk: Desk) -> None:
-    begun = threading.Event()
-    desk.answer("robotmoving", lambda: not begun.wait(10.0))
+async def test_a_motion_that_is_being_sent_counts(robot: aioduco.Robot, desk: Desk) -> None:
     desk.motion_time = 30.0
+    let = desk.hold("get_last_error", [])
     raised: list[BaseException] = []
     async with anyio.create_task_group() as tasks:
-        tasks.start_soon(noted, raised, aioduco.RobotStateError, robot.force.fc_stop())
-        await eventually_async(lambda: bool(desk.received("robotmoving")))
-        await robot.motion.movej2(HOME, 1.0, 1.0).start()
-        begun.set()
+        tasks.start_soon(robot.motion.movej2(HOME, 1.0, 1.0).start)
+        await eventually_async(lambda: bool(desk.received("get_last_error")))
+        tasks.start_soon(noted, raised, aioduco.RobotStateError, robot.settings.simulation(True))
+        for _ in range(3):
+            await robot.state.get_tcp_pose()
+        let.set()
     assert len(raised) == 1
-    assert desk.received("fc_stop") == ()
+    assert desk.received("simulation") == ()
+
+
+@pytest.mark.parametrize("name", ["fc_stop", "simulation"])
+async def test_no_motion_is_sent_meanwhile(robot: aioduco.Robot, desk: Desk, name: str) -> None:
+    let = desk.hold(name)
+    async with anyio.create_task_group() as tasks:
+        if name == "fc_stop":
+            tasks.start_soon(robot.force.fc_stop)
+        else:
+            tasks.start_soon(robot.settings.simulation, True)
+        await eventually_async(lambda: bool(desk.received(name)))
+        tasks.start_soon(robot.motion.movej2(HOME, 1.0, 1.0).start)
+        for _ in range(3):
+            await robot.state.get_tcp_pose()
+        assert desk.received("movej2") == ()
+        let.set()
+    assert len(desk.received("movej2")) == 1
 
 
 async def test_a_switch_that_is_refused_says_why(robot: aioduco.Robot, desk: Desk) -> None:
