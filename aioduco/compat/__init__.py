@@ -33,6 +33,7 @@ from aioduco._process.reporting import BackgroundLogger
 from aioduco._wire.connection import Connection
 from aioduco._wire.deadline_socket import WAKE_EVERY
 from aioduco._wire.endpoint import Endpoint, Route
+from aioduco._wire.failures import DeadlinePassed
 from aioduco._wire.forks import fork_hooks
 from aioduco._wire.idempotence import CallKind, call_kind
 from aioduco._wire.lifecycle import ConnectionState
@@ -98,6 +99,8 @@ _MOVES: Final = (
     *("teach_mode", "run_program", "trackEnqueue", "trackJointMotion", "trackCartMotion"),
     *("fc_start", "fc_move", "start_realtime_mode", "realtime_data_enqueue"),
 )
+#: seconds after which an unanswered stop is sent again, on a new connection
+_STOP_LIMIT: Final = 1.0
 #: by the address that a controller's name leads to: another object after each stop by this program
 _last_stops: Final[dict[Any, object]] = {}
 
@@ -160,8 +163,9 @@ class DucoCobot(Uncopied, ManualFunctions):
     - An answer that reports an error of the controller raises `ControllerError`; with Thrift's
       library imported it is also a `TApplicationException`.
     - After a lost connection, `open` makes a new one. `stop` is sent without it, on a connection of
-      its own. After Ctrl-C in the middle of a call, or what another signal's handler raises there,
-      all calls are sent as before.
+      its own, as one that was not answered for a second is sent again. After that, and after Ctrl-C
+      in the middle of a call, or what another signal's handler raises there, all calls are sent as
+      before.
 
     Arguments have the names of the vendor's class, and by keyword those of the manual as well. For
     `q_near`, `tool` and `wobj`, None and '' stand for the present one. Structs may be the vendor's
@@ -201,7 +205,7 @@ class DucoCobot(Uncopied, ManualFunctions):
         self._connection: Connection | None = None
         #: another object after each open() and close()
         self._session = object()
-        #: whether a signal ended the last call before its answer came
+        #: whether the last call ended before its answer came: by a signal, or a stop by its limit
         self._interrupted = False
         # Held during a call. A signal handler in the middle of a call of its own thread, which
         # holds it, does not wait for itself.
@@ -345,7 +349,7 @@ class DucoCobot(Uncopied, ManualFunctions):
                 self._acquire()
             if self._session is not session:
                 raise ConnectionLost(f"{name} was not sent: the connection was closed")
-            return self._exchange(name, args, permit)
+            return self._exchange(name, args, self.timeout, permit)
         finally:
             if not inside:
                 try:  # noqa: SIM105 - an interrupt could come in `suppress`
@@ -354,12 +358,18 @@ class DucoCobot(Uncopied, ManualFunctions):
                     pass  # interrupted before it was acquired
 
     def _stop(self, name: str, args: tuple[Any, ...]) -> Any:
-        """Stop, on a new connection if the object's own is in use or lost: twice does no harm."""
+        """Stop, on a new connection if the object's own is in use, lost or silent.
+
+        Twice does no harm.
+        """
+        limit = _STOP_LIMIT if self.timeout is None else min(self.timeout, _STOP_LIMIT)
         inside = self._held
         try:
             if inside or self._lock.acquire(blocking=False):
-                return self._exchange(name, args)
+                return self._exchange(name, args, limit)
         except ConnectionLost as exc:
+            # the connection was closed, so that its late answer is not taken for another
+            self._interrupted |= isinstance(exc.__cause__, DeadlinePassed)
             _log.warning("%s; stop is sent on a new connection", exc)
         finally:
             if not inside:
@@ -370,13 +380,18 @@ class DucoCobot(Uncopied, ManualFunctions):
         return self._send_aside(name, args)
 
     def _exchange(
-        self, name: str, args: tuple[Any, ...], permit: Callable[[], object] | None = None
+        self,
+        name: str,
+        args: tuple[Any, ...],
+        timeout: float | None,
+        permit: Callable[[], object] | None = None,
     ) -> Any:
         """Call on the object's own connection, if no call is in progress; it holds the lock.
 
         Args:
             name: the function.
             args: one value per parameter.
+            timeout: maximum seconds for the call; None for no limit.
             permit: raises an error if it must not be sent, asked last before it is.
         """
         connection = self._connection
@@ -395,7 +410,7 @@ class DucoCobot(Uncopied, ManualFunctions):
             raise ConnectionLost(f"{name} was not sent: {connection.reason}; call open() first")
         connection.hand_over()
         try:
-            return connection.call(name, args, self.timeout, permit)
+            return connection.call(name, args, timeout, permit)
         except DucoError:
             raise
         except BaseException:

@@ -12,6 +12,7 @@ import pytest
 from thrift import Thrift
 from thrift.transport.TTransport import TTransportException
 
+from aioduco import compat
 from aioduco._wire.connection import Connection
 from aioduco.compat import DucoCobot
 from aioduco.errors import (
@@ -20,7 +21,7 @@ from aioduco.errors import (
     OutcomeUnknown,
     TaskStopped,
 )
-from aioduco.testing import Cut, FaultProxy, Place, RecordingServer, eventually
+from aioduco.testing import Cut, FaultProxy, HalfOpen, Place, RecordingServer, eventually
 
 JOINTS = [0.1, 0.2, 1.5, 0.0, -1.5, 0.3]
 
@@ -323,6 +324,22 @@ def test_a_stop_is_sent_although_the_connection_could_not_be_made_again(
         assert robot.open() == -1  # nobody is there for a moment
         robot.port = there
         assert robot.stop(True) == 4
+
+
+def test_a_stop_is_sent_again_if_the_connection_is_silent(
+    server: RecordingServer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It waited for ever, although a new connection would have reached the controller."""
+    monkeypatch.setattr(compat, "_STOP_LIMIT", 0.05)
+    server.answer("stop", 4)
+    server.answer("robotmoving", True)
+    with (
+        FaultProxy(server.host, server.port) as proxy,
+        DucoCobot(proxy.host, proxy.port) as robot,
+    ):
+        proxy.on("stop", HalfOpen())
+        assert robot.stop(True) == 4
+        assert robot.robotmoving() is True
 
 
 def test_closing_ends_what_another_thread_waits_for(
