@@ -763,7 +763,8 @@ class Robot(Uncopied, ManualNames, MisspeltRefused):
     async def pause(self) -> bool:
         """Pause all tasks (暂停所有任务), and wait until the arm stands.
 
-        An open stream ends, and the arm is stopped: nothing that it has sent goes on later.
+        An open stream ends, and the arm is stopped: nothing that it has sent goes on later. So is a
+        motion of `blocking` of which the controller does not say in time that it is paused.
 
         Returns:
             Whether anything is paused, as far as the controller says it. If not, the next motion
