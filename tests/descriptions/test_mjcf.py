@@ -129,6 +129,7 @@ def test_meshes_of_the_user_are_shown(tmp_path: Path) -> None:
     assert (loaded.geom_group == 3).sum() == (plain.geom_group == 3).sum()
 
 
+@pytest.mark.slow
 @for_each("model", models())
 def test_the_looks_are_in_the_frames_of_the_links(model: str) -> None:
     """MuJoCo turns each mesh to its own axes; where its points are then must be where they were."""

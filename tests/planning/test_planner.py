@@ -154,6 +154,7 @@ print(solve(Planner(scene)._free(start, goal, timeout=60.0).problem, scene.check
 """
 
 
+@pytest.mark.slow
 def test_a_seed_gives_the_same_path_however_fast_the_computer_is() -> None:
     """Searches were started anew by the clock: a slower computer found another path."""
     fast, slow = (python("-c", SEARCH, work).stdout for work in ("0", "5000"))
@@ -289,6 +290,7 @@ def test_where_there_is_no_way_none_is_found() -> None:
         planner.plan_blocking(start, goal, timeout=0.3)
 
 
+@pytest.mark.slow
 def test_joints_at_a_limit_are_not_reached_by_another_turn() -> None:
     """As the wire rounds a whole turn, it is a little more: the plan then led to 0."""
     curtain = Box(at=(-0.8, 0.0, 1.0), size=(1.3, 0.02, 2.0), name="curtain")

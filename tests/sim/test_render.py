@@ -202,6 +202,7 @@ def test_a_window_shows_where_the_arm_is() -> None:
         assert not window.running
 
 
+@pytest.mark.slow
 def test_a_camera_of_the_window_is_in_degrees() -> None:
     window = Window(None, None)
     Camera(azimuth=np.pi, elevation=-0.5 * np.pi, distance=3.0, target=(1.0, 2.0, 3.0)).put(

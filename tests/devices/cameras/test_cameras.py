@@ -464,6 +464,7 @@ print(set(seen))
 """
 
 
+@pytest.mark.slow
 def test_threads_may_read_a_camera_at_once_and_while_it_is_closed(tmp_path: Path) -> None:
     """OpenCV's capture is for one thread: the interpreter crashed."""
     found = python("-c", _MANY_THREADS, str(tmp_path / "film.avi"))

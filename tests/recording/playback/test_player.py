@@ -11,9 +11,10 @@ import subprocess
 import threading
 import warnings
 from collections import Counter
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import asynccontextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -108,26 +109,27 @@ def apart(first: tuple[Array, Array], second: tuple[Array, Array]) -> float:
     return min(largest(shift) for shift in np.arange(-0.01, 0.01, 0.0005))
 
 
-@for_each(
-    "module, slow",
-    [(player, "check_path"), (player, "fastest"), (recorded_path, "JointTrajectory")],
-)
+@pytest.mark.slow
 async def test_the_event_loop_runs_while_a_path_is_looked_at(
-    module: Any, slow: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """It takes a second for a path of five minutes: the heartbeat was lost, the arm stopped."""
     path = RecordedPath.of(read(write(tmp_path / "run.mcap")))
-    done, loop = getattr(module, slow), asyncio.get_running_loop()
+    looked, loop = set(), asyncio.get_running_loop()
 
-    def look(*args: Any, **options: Any) -> Any:
+    def look(name: str, done: Callable[..., Any], *args: Any, **options: Any) -> Any:
         ran = threading.Event()
         loop.call_soon_threadsafe(ran.set)
-        assert ran.wait(10.0)
+        assert ran.wait(10.0), name
+        looked.add(name)
         return done(*args, **options)
 
-    monkeypatch.setattr(module, slow, look)
+    of_play = {"check_path": player, "fastest": player, "JointTrajectory": recorded_path}
+    for name, module in of_play.items():
+        monkeypatch.setattr(module, name, partial(look, name, getattr(module, name)))
     async with led(joints=HOME) as (_, robot):
         await play(robot, path, tolerances=PATIENT)
+    assert looked == of_play.keys()
 
 
 @pytest.mark.slow

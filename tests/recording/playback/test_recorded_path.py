@@ -60,6 +60,7 @@ def test_a_short_part_of_a_motion_begins_and_ends_at_rest(tmp_path: Path, second
     assert kinds(path) == (["acceleration"] if seconds < 0.1 else [])
 
 
+@pytest.mark.slow
 @for_each("rate, speed", [(125.0, 0.002), (1000.0, 0.021), (1000.0, 0.029)])
 def test_slow_motions_are_whole_at_each_rate_of_samples(
     tmp_path: Path, rate: float, speed: float

@@ -131,6 +131,7 @@ def test_poses_of_a_tip_without_its_offset_leave_out_what_the_tool_hides() -> No
         assert low <= truth.values["geometry"][name].value <= high
 
 
+@pytest.mark.slow
 def test_the_models_own_table_is_found_as_it_is() -> None:
     random = np.random.default_rng(10)
     found = estimate_geometry(MODEL, [poses_of(ArmProfile(MODEL), configurations(random, 40))])

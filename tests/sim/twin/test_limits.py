@@ -97,6 +97,7 @@ def test_a_run_that_hardly_moves_is_refused() -> None:
         learn(ARM, good)
 
 
+@pytest.mark.slow
 def test_what_a_good_run_does_not_show_has_a_wide_limit() -> None:
     """They had the least limits, so that a twin paused an arm in good order."""
     run = list(work(PerfectArm(), *[movej2(*THERE), movej2(*READY)] * 3))

@@ -263,6 +263,7 @@ def test_a_short_disturbance_is_nothing() -> None:
     assert said(monitor(), work(arm, movej2(*THERE), movej2(*READY))) == []
 
 
+@pytest.mark.slow
 @for_each("part", ["joints", "speeds", "expected", "expected_speeds", "pose", "external"])
 def test_a_sample_in_which_a_number_is_missing_hides_none_of_the_later_ones(part: str) -> None:
     """After one the twin said no more about torques, with figures that were no numbers."""

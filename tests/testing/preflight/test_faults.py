@@ -53,6 +53,7 @@ def test_a_planted_fault_is_found_at_its_line(name: str) -> None:
     assert not report.ok
 
 
+@pytest.mark.slow
 def test_an_arm_that_a_collision_with_an_allowed_thing_stops_is_a_finding() -> None:
     """It ends the program, as on a real arm."""
     settings = PreflightSettings(scene=CELLS["box"], allowed=("box",), timeout=110)
