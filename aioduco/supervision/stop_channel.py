@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import anyio
 
+from aioduco._process import trial
 from aioduco.errors import DucoError, OutcomeUnknown, Refused, StopUnconfirmed
 from aioduco.supervision.rest import bring_to_rest
 from aioduco.supervision.unanswered import UnansweredMotion
@@ -217,7 +218,9 @@ class StopChannel:
                 raise
 
         motion = UnansweredMotion.none(begin, until, stops=stop_timeout is not None)
-        if await bring_to_rest(motion, stop, moves):
+        with trial.at_own_pace():
+            stands = await bring_to_rest(motion, stop, moves)
+        if stands:
             return
         seconds = time.monotonic() - begin
         if isinstance(error, StopUnconfirmed):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextvars
 import threading
+import time
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
 
 #: time between two samples of the moving arm [s]
 _SAMPLE = 0.02
+#: after the end of a task, time is the wall clock's until this package has polled it [s]
+_POLLED = 0.1
 #: calls that are not the program's work, but keep the connection and poll tasks
 _UPKEEP = frozenset({"rpc_heartbeat", "get_noneblock_taskstate"})
 _LONGEST = 80
@@ -309,6 +312,8 @@ class RunRecorder:
                     record.meanwhile = lines.of_main_thread()
                 self._open.pop(number, None)
                 self.progress = now
+                if not record.of_vendor:
+                    self._clock.stream_begins(_after(_POLLED))
 
     def _touch(self, touched: str, now: float, sample: int, *, meant: bool) -> None:
         pairs = frozenset(touched.split(", ")) if touched else frozenset()
@@ -376,6 +381,11 @@ class RunRecorder:
             "qd": np.reshape(self._qd, (-1, 6)),
             "positions": np.reshape(same, (len(same), widest)),  # (0, 0) if the arm never moved
         }
+
+
+def _after(seconds: float) -> Callable[[], bool]:
+    due = time.monotonic() + seconds
+    return lambda: time.monotonic() > due
 
 
 def _of_arm(name: str) -> bool:

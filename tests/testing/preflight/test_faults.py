@@ -91,6 +91,31 @@ def test_a_program_that_waits_for_its_own_thread_does_not_hang(tmp_path: Path) -
     assert report.duration > 8.0
 
 
+ENDS = """
+import asyncio, aioduco
+HOME, THERE = [0, 0, 1.6, 0, -1.5, 0], [0.3, 0, 1.6, 0, -1.5, 0]
+
+async def main():
+    async with aioduco.connect("192.0.2.1") as robot:
+        await robot.bring_up()
+        for goal in [HOME, THERE] * 3:
+            async with asyncio.timeout(8.0):  # the motion takes 0.8 s
+                await robot.motion.movej2(goal, v=1.0, a=2.0)
+            async with asyncio.timeout(8.0):
+                await robot.stop()
+
+asyncio.run(main())
+"""
+
+
+@pytest.mark.slow
+def test_motions_and_stops_take_the_time_of_the_arm(tmp_path: Path) -> None:
+    """Until their end was polled, up to half a minute passed: time-outs of seconds ended them."""
+    (path := tmp_path / "ends.py").write_text(ENDS)
+    report = preflight(path, (), PreflightSettings(timeout=110), quiet=True)
+    assert report.ok, report.findings
+
+
 WAITS = """
 import concurrent.futures, contextlib, queue, threading, time
 import aioduco.sync
