@@ -379,12 +379,17 @@ class World:
         return ", ".join(sorted(told))
 
     def geom_label(self, geom: int) -> str:
-        """Name a geom for messages: by its body, or by its own name if it is part of the world."""
-        named = self.model.geom(geom).name
+        """Name a geom for messages: by its body, or by its own name if it is part of the world.
+
+        Bodies without a name are parts of the one that carries them.
+        """
+        model, named = self.model, self.model.geom(geom).name
         if named in ("floor", "plate", "pedestal"):
             return f"the {named}"
-        body = int(self.model.geom_bodyid[geom])
-        name = self.model.body(body).name if body else named
+        body = int(model.geom_bodyid[geom])
+        while (above := int(model.body_parentid[body])) and not model.body(body).name:
+            body = above
+        name = model.body(body).name if body else named
         if name == "flange" or name.startswith("tool"):
             return f"the {name.partition('/')[0]}"
         return name.removeprefix("scene/") or "a thing without a name"

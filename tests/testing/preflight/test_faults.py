@@ -63,6 +63,26 @@ def test_an_arm_that_a_collision_with_an_allowed_thing_stops_is_a_finding() -> N
     assert "检测到碰撞" in found.text
 
 
+SWEEPS = """
+import aioduco.sync
+with aioduco.sync.connect("192.168.1.10") as robot:
+    robot.bring_up()
+    robot.motion.movel(robot.state.get_tcp_pose().shifted(x=0.1), v=0.2, a=0.5)
+"""
+
+
+def test_a_tool_without_a_name_is_the_tool(tmp_path: Path) -> None:
+    """What it touched was none of the arm's contacts, unless it was hard enough to stop the arm."""
+    (path := tmp_path / "sweeps.py").write_text(SWEEPS)
+    scene = [
+        Box(at=(0.58, 0.1405, 0.28), size=(0.1, 0.2, 0.06), name="shelf"),
+        Box(at=(0.56, 0.1405, 0.36), size=(0.04, 0.1, 0.1), mass=0.05, name="cup"),
+    ]
+    settings = PreflightSettings(scene=scene, tool=[Rod(length=0.1, radius=0.01)], timeout=110)
+    (found,) = preflight(path, (), settings, quiet=True).findings
+    assert (found.kind, found.text) == ("collision of the tool", "the tool touches cup")
+
+
 COMPUTES = """
 import asyncio, time
 import aioduco
