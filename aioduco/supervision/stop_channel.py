@@ -140,17 +140,22 @@ class StopChannel:
         lane.send(call)
         return call
 
-    def stop_now(self, timeout: float) -> None:
+    def stop_now(self, timeout: float) -> BaseException | None:
         """Send a stop from any thread or signal handler, and block until it is accepted.
 
         Args:
             timeout: seconds within which the controller must accept it.
+
+        Returns:
+            What interrupted an attempt: Ctrl-C, or what a signal handler raised; the caller raises
+            it. Another attempt was accepted.
 
         Raises:
             StopUnconfirmed: it accepted none in time.
         """
         until = time.monotonic() + timeout
         error: BaseException | None = None
+        interrupt: BaseException | None = None
         while (left := until - time.monotonic()) > 0:
             self.attempts += 1
             began = time.monotonic()
@@ -158,9 +163,11 @@ class StopChannel:
                 error = refusal("stop", self._stop.call_from_thread("stop", (False,), left))
                 if error is None:
                     self.stops += 1
-                    return
+                    return interrupt
             except (DucoError, MemoryError) as exc:
                 error = exc
+            except BaseException as exc:
+                error = interrupt = exc
             time.sleep(max(0.0, min(began + FIRST_ATTEMPT / 5, until) - time.monotonic()))
         raise _unconfirmed(f"no stop was accepted within {timeout:.3g} s", error) from error
 

@@ -246,10 +246,12 @@ class StopCoordinator:
         """
         with self.gate.stop():
             streaming = halt_streams(self.streams)
-            self._channel.stop_now(timeout)
+            interrupt = self._channel.stop_now(timeout)
             if streaming:
                 wait_until_quiet(self.streams)
-                self._channel.stop_now(timeout)
+                interrupt = self._channel.stop_now(timeout) or interrupt
+            if interrupt is not None:
+                raise interrupt
 
     def check_loop(self, what: str) -> None:
         """Check that this is the robot's event loop, before `what` is done on it.

@@ -15,6 +15,7 @@ from client.bench import HOME, Bench
 import aioduco
 from aioduco import Outcome
 from aioduco._wire.deadline_socket import DeadlineSocket
+from aioduco._wire.lane import WireLane
 from aioduco.supervision import stop_channel
 from aioduco.testing import Cut, DropReply, FaultProxy, HalfOpen, Place, eventually_async
 
@@ -70,6 +71,24 @@ async def test_stop_now_from_another_thread_while_the_loop_hangs(
     assert bench.commands[-1] == "stop"
     with pytest.raises(aioduco.TaskStopped):
         await task
+
+
+@pytest.mark.parametrize("interrupt", [KeyboardInterrupt(), TimeoutError("an alarm")], ids=repr)
+async def test_stop_now_that_is_interrupted_is_sent_all_the_same(
+    robot: aioduco.Robot, bench: Bench, monkeypatch: pytest.MonkeyPatch, interrupt: BaseException
+) -> None:
+    bench.motion_time = 30.0
+    await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+
+    def interrupted(*_: Any) -> None:
+        monkeypatch.undo()
+        raise interrupt
+
+    monkeypatch.setattr(WireLane, "call_from_thread", interrupted)
+    with pytest.raises(type(interrupt)) as raised:
+        robot.stop_now()
+    assert raised.value is interrupt
+    assert bench.commands[-1] == "stop"
 
 
 async def test_a_stop_is_repeated_over_fresh_connections(bench: Bench) -> None:
