@@ -294,7 +294,7 @@ class ArmNode:
             place = self.goals.progress
             if place is None and self._position:
                 here = np.array(self._position)
-                place = GoalProgress(0.0, here, here, np.zeros_like(here))
+                place = GoalProgress(0.0, here, here)
             if place is not None:
                 sink.progress(place, self.goals.factor)
 

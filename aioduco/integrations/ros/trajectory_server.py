@@ -77,13 +77,16 @@ class GoalProgress(NamedTuple):
         time: time on the goal's trajectory [s].
         desired: the closest place of the path [rad]. Shape (6,).
         actual: position of the arm [rad]. Shape (6,).
-        error: `actual` less `desired` [rad]. Shape (6,).
     """
 
     time: float
     desired: NDArray[np.float64]
     actual: NDArray[np.float64]
-    error: NDArray[np.float64]
+
+    @property
+    def error(self) -> NDArray[np.float64]:
+        """What is missing to `desired`, the sign that control_msgs states [rad]. Shape (6,)."""
+        return self.desired - self.actual
 
 
 class GoalHandle(Protocol):
@@ -529,8 +532,7 @@ class TrajectoryServer:
     ) -> tuple[float, NDArray[np.float64]]:
         """Note where the arm came to rest, and return its time on the path and its distance."""
         at = nearest_time(self._path, actual, reached - _LAG, reached + _LAG)
-        desired, here = self._path.at(np.array([at]))[0], np.asarray(actual)
-        self.progress = GoalProgress(at, desired, here, here - desired)
+        self.progress = GoalProgress(at, self._path.at(np.array([at]))[0], np.asarray(actual))
         return at, np.abs(self.progress.error)
 
     def _rest(self, path: Any, actual: Sequence[float], begin: float) -> PathPart:
@@ -552,7 +554,7 @@ class TrajectoryServer:
             now = anyio.current_time()
             assert self._followed is not None
             time = self._followed.path_time(found.time)
-            place = GoalProgress(time, found.desired, found.actual, found.error)
+            place = GoalProgress(time, found.desired, found.actual)
             self.progress = place
             self._recent.append((now, found.actual))
             if now >= due:

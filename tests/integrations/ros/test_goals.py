@@ -259,7 +259,7 @@ class HeldMotion:
         self.begun += 1
         self.trajectory = trajectory
         here = np.array(START)
-        feedback(GoalProgress(0.0, here, here, np.zeros(6)))
+        feedback(GoalProgress(0.0, here, here))
         try:
             await anyio.sleep_forever()
         finally:
@@ -489,7 +489,7 @@ class BriefMotion:
 
     async def follow_joint_trajectory(self, trajectory: Any, *, feedback: Any, **_: Any) -> None:
         here = np.array(START)
-        feedback(GoalProgress(0.0, here, here, np.zeros(6)))
+        feedback(GoalProgress(0.0, here, here))
         try:
             await steps(self._steps)
         finally:
