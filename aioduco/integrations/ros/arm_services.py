@@ -192,7 +192,8 @@ class ArmServices:
 
         Args:
             selection: whether the arm gives way in each direction. Shape (6,).
-            wrench: force that it maintains [N, N·m]. Shape (6,).
+            wrench: force that the arm applies to what is around it, as of UR's service; the sensor
+                reads the opposite [N, N·m]. Shape (6,).
             damping: damping; all 0: 1500 and 57 [N/(m/s), N·m/(rad/s)]. Shape (6,).
             speed_limits: largest speeds; all 0: 0.05 and 0.2 [m/s, rad/s]. Shape (6,).
             frame: 0: the tool's, 1: the work object's.
@@ -203,7 +204,7 @@ class ArmServices:
             with self._robot.permit("start_force_mode"):
                 await force.fc_config(
                     selection,
-                    wrench,
+                    [-each for each in wrench],
                     damping if any(damping) else _DAMPING,
                     speed_limits if any(speed_limits) else _FORCE_SPEED,
                     frame=frame,

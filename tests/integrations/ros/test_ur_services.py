@@ -151,20 +151,23 @@ async def test_programs_popup_and_log(node: ArmNode, sim: Simulator) -> None:
     assert "change the part" in str(await node.robot.state.get_last_error())
 
 
-async def test_force_mode_and_zeroing(node: ArmNode) -> None:
+async def test_force_mode_and_zeroing(node: ArmNode, sim: Simulator) -> None:
     await done(node, "io_and_status_controller/zero_ftsensor")
     np.testing.assert_allclose(await node.robot.force.fc_get_ft(), 0.0, atol=0.5)
     assert not (await call(node, "force_mode_controller/stop_force_mode")).success
+    out = np.linalg.inv(np.array(sim.arm.fkine(sim.joints)))
     await done(
         node,
         "force_mode_controller/start_force_mode",
         selection=[False, False, True, False, False, False],
-        wrench=[0.0, 0.0, -5.0, 0.0, 0.0, 0.0],
+        wrench=[0.0, 0.0, 50.0, 0.0, 0.0, 0.0],
         damping=[0.0] * 6,
         speed_limits=[0.0] * 6,
         frame=0,
     )
     assert await node.robot.force.fc_mode_is_active()
+    # the arm pushes along the tool's z axis, as UR's does by this wrench
+    await eventually_async(lambda: (out @ np.array(sim.arm.fkine(sim.joints)))[2, 3] > 0.01)
     await done(node, "force_mode_controller/stop_force_mode")
     assert not await node.robot.force.fc_mode_is_active()
     # as by a driver that died, and was started again by its launch file
