@@ -110,7 +110,7 @@ def ur_services(
 
     pressing = {
         "selection": [False, False, True, False, False, False],
-        "wrench": [0.0, 0.0, -5.0, 0.0, 0.0, 0.0],
+        "wrench": [0.0, 0.0, 5.0, 0.0, 0.0, 0.0],
     }
     *_, robot, safety = call(
         "dashboard_client/power_off",
