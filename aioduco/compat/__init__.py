@@ -101,7 +101,8 @@ _MOVES: Final = (
 )
 #: seconds after which an unanswered stop is sent again, on a new connection
 _STOP_LIMIT: Final = 1.0
-#: by the address that a controller's name leads to: another object after each stop by this program
+#: by the address that a controller's name leads to: another object after each stop or abort by
+#: this program
 _last_stops: Final[dict[Any, object]] = {}
 
 # The structs under the manual's names (section 1.2).
@@ -153,8 +154,8 @@ class DucoCobot(Uncopied, ManualFunctions):
     use it: a call waits until the one before it is answered, so a call behind a blocking motion
     waits for the motion's end. `stop` does not wait: while a call is in progress, it is sent on a
     connection of its own. So is a call from a signal handler in the middle of another. A motion
-    that waits behind another call when any object of the program calls `stop` is not sent:
-    `TaskStopped`.
+    that waits behind another call when any object of the program calls `stop` or `abort` is not
+    sent: `TaskStopped`.
 
     - A lost connection, or one that was never opened, raises `ConnectionLost`, where the vendor's
       Python class raises Thrift's `TTransportException`. If the program has imported Thrift's
@@ -334,8 +335,9 @@ class DucoCobot(Uncopied, ManualFunctions):
         if self._connection is None:
             raise ConnectionLost(f"{name} was not sent: call open() first")
         address = self._route.address
-        if call_kind(name) is CallKind.STOP:
+        if name in ("stop", "abort"):
             _last_stops[address] = object()
+        if call_kind(name) is CallKind.STOP:
             return self._stop(name, args)
         last_stop = _last_stops.get(address)
 

@@ -127,14 +127,22 @@ def test_threads_take_turns_and_a_stop_does_not_wait(
     assert caplog.text.count("is used in thread") == 1
 
 
-@pytest.mark.parametrize("other", ["", "127.0.0.1", "localhost"])
+@pytest.mark.parametrize(
+    ("other", "stop"),
+    [("", "stop"), ("127.0.0.1", "stop"), ("localhost", "stop"), ("127.0.0.1", "abort")],
+)
 def test_a_motion_that_waits_when_the_arm_is_stopped_is_not_sent(
-    server: RecordingServer, robot: DucoCobot, monkeypatch: pytest.MonkeyPatch, other: str
+    server: RecordingServer,
+    robot: DucoCobot,
+    monkeypatch: pytest.MonkeyPatch,
+    other: str,
+    stop: str,
 ) -> None:
     """By another object, too, as manual 1.3.3 asks for; what comes after the stop is sent."""
     motion = Blocking(server)
     server.answer("servoj", 1000)
     server.answer("set_standard_digital_out", 4)
+    server.answer("abort", 4)
     waiting, acquire = threading.Semaphore(0), robot._acquire
     mover, _ = motion.start(robot)
 
@@ -148,7 +156,7 @@ def test_a_motion_that_waits_when_the_arm_is_stopped_is_not_sent(
     for _ in range(2):
         assert waiting.acquire(timeout=30.0)
     with DucoCobot(other or server.host, server.port) as second:
-        assert (second if other else robot).stop(True) == 4
+        assert getattr(second if other else robot, stop)(True) == 4
     motion.gate.set()
     for thread in (mover, next_one, output):
         thread.join()
