@@ -8,8 +8,6 @@ from typing import Any, cast
 
 import pytest
 from for_each import for_each
-from hypothesis import given
-from hypothesis import strategies as st
 
 from aioduco.sim.batches import Batches
 from aioduco.sim.clock import CycleSchedule, LoopTimes
@@ -34,13 +32,6 @@ def test_another_speed_begins_the_schedule_anew() -> None:
     assert pace.delay(7.0) == pytest.approx(0.002)
     pace.change(0.5, 7.001, idle=False)
     assert pace.delay(7.0) == pytest.approx(0.002)
-
-
-@given(speed=st.floats(0.01, 1000.0))
-def test_speed_divides_the_period(speed: float) -> None:
-    pace = CycleSchedule(0.001, speed)
-    pace.begin(0.0)
-    assert pace.delay(0.0) == pytest.approx(0.001 / speed)
 
 
 def test_as_fast_as_possible_never_waits_but_idles_in_real_time() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from for_each import for_each
@@ -537,7 +539,7 @@ def test_a_lost_heartbeat_stops_everything_and_the_next_program_may_move(ready: 
     assert ready.controller.view().errors == ("heartbeat lost: all tasks were stopped",)
     ready.controller.heartbeat.beat(ready.time, 200)
     ready.tick(1000)  # nothing moves: no error, but it has ended
-    assert not ready.controller.heartbeat.armed
+    assert not ready.controller.heartbeat.lost(math.inf)
     assert len(ready.controller.view().errors) == 1
     assert ready.state == [6, 0, 5, 1]
     assert ready.ended(ready.controller.move("movej2", leg(1.0))) == 4
@@ -550,7 +552,7 @@ def test_a_lost_heartbeat_stops_what_waits_for_the_end_of_force_control(ready: B
     ready.controller.force.stop()
     id_ = ready.controller.move("movej2", leg(1.0))
     ready.tick()
-    assert not ready.controller.heartbeat.armed
+    assert not ready.controller.heartbeat.lost(math.inf)
     assert ready.ended(id_) == 3
 
 

@@ -112,22 +112,6 @@ def test_a_view_is_the_same_while_nothing_changes_and_a_new_one_when_something_d
     pressed = controller.view()
     assert pressed.emergency_stop
     assert pressed.error == 1
-    for number in range(25):
-        controller.note_error(str(number))
-    assert controller.view().errors == tuple(map(str, range(5, 25)))
-
-
-def test_a_beat_puts_the_loss_off_and_the_loss_is_said_once() -> None:
-    heartbeat = HeartbeatWatchdog()
-    assert not heartbeat.armed
-    assert not heartbeat.lost(1e9)
-    heartbeat.beat(10.0, 1000)
-    assert not heartbeat.lost(10.9)
-    heartbeat.beat(10.9, 1000)
-    assert not heartbeat.lost(11.8)
-    assert heartbeat.lost(12.0)
-    assert not heartbeat.lost(13.0)
-    assert not heartbeat.armed
 
 
 @for_each("slack", [0.0, 0.5])

@@ -147,11 +147,6 @@ class HeartbeatWatchdog:
         self.time: int = 0
         self.slack: float = 0.0
 
-    @property
-    def armed(self) -> bool:
-        """Whether a missing beat would be detected."""
-        return self._due is not None
-
     def beat(self, now: float, time: int) -> float:
         """Take a beat; the next is due within `time` milliseconds, 0 for the default time.
 
