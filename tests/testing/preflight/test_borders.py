@@ -24,9 +24,10 @@ from for_each import for_each
 from aioduco.cli.app import app
 from aioduco.sim import Simulator, runtime
 from aioduco.testing import eventually
-from aioduco.testing.preflight import PreflightSettings, preflight
 from aioduco.testing.preflight.borders import _answers
 from aioduco.testing.preflight.program_clock import ProgramClock
+
+from .trying import tried
 
 #: begins each program: it uses a robot, at an address where an arm could be
 BEGIN = """
@@ -147,12 +148,10 @@ def there() -> Iterator[int]:
 
 @pytest.mark.slow
 def test_each_way_out_is_refused_and_found_even_if_the_program_goes_on(tmp_path: Path) -> None:
-    tried = tmp_path / "tried.py"
     text = BEGIN
     for way in WAYS_OUT:
         text += f"try:\n    {way}\n    sys.exit({way!r})\nexcept PermissionError: pass\n"
-    tried.write_text(text)
-    report = preflight(tried, (), PreflightSettings(timeout=110), quiet=True)
+    report = tried(tmp_path, text)
     lines = text.splitlines()
     found = [(finding.kind, finding.line) for finding in report.findings]
     assert report.status == 0, report.findings
@@ -165,9 +164,7 @@ def test_each_way_out_is_refused_and_found_even_if_the_program_goes_on(tmp_path:
 
 @pytest.mark.slow
 def test_what_is_refused_and_not_caught_is_one_finding(tmp_path: Path) -> None:
-    tried = tmp_path / "tried.py"
-    tried.write_text(BEGIN + "socket.create_connection(ARM)\n")
-    report = preflight(tried, quiet=True)
+    report = tried(tmp_path, BEGIN + "socket.create_connection(ARM)\n")
     assert [finding.kind for finding in report.findings] == ["not reached"]
     assert report.status == 1
 
@@ -179,26 +176,23 @@ def test_what_is_refused_and_not_caught_is_one_finding(tmp_path: Path) -> None:
     ids=["servers", "status port", "processes"],
 )
 def test_what_is_its_own_or_of_this_package_works(tmp_path: Path, body: str) -> None:
-    tried = tmp_path / "tried.py"
-    tried.write_text(BEGIN + body)
     # The program's time races while it waits for a server, which has the time of the wall.
-    settings = PreflightSettings(timeout=110, patience=1e6)
-    report = preflight(tried, (), settings, quiet=True)
+    report = tried(tmp_path, BEGIN + body, patience=1e6)
     assert report.ok, report.findings
     assert report.status == 0
 
 
 @pytest.mark.slow
 def test_what_is_named_is_reached_and_a_bad_name_is_refused(tmp_path: Path, there: int) -> None:
-    tried, told = tmp_path / "tried.py", tmp_path / "told"
-    tried.write_text(
+    program, told = tmp_path / "program.py", tmp_path / "told"
+    program.write_text(
         f"{BEGIN}for host in ('localhost', '127.0.0.1'):\n"
         f"    with socket.create_connection((host, {there}), timeout=30) as client:\n"
         f"        open({str(told)!r}, 'ab').write(client.recv(99))\n"
     )
 
     def run(*reach: str) -> tuple[int, str]:
-        done = CliRunner().invoke(app, ["preflight", "--quiet", *reach, str(tried)])
+        done = CliRunner().invoke(app, ["preflight", "--quiet", *reach, str(program)])
         return done.exit_code, " ".join(done.output.split())
 
     status, said = run("--reach", f"localhost:{there}")
@@ -215,9 +209,9 @@ def test_what_is_named_is_reached_and_a_bad_name_is_refused(tmp_path: Path, ther
 
 @pytest.mark.slow
 def test_a_tried_program_ends_with_a_preflight_that_is_killed(tmp_path: Path) -> None:
-    tried = tmp_path / "tried.py"
-    tried.write_text("import threading\nprint('here', flush=True)\nthreading.Event().wait()\n")
-    command = [sys.executable, "-m", "aioduco.cli", "preflight", str(tried)]
+    program = tmp_path / "program.py"
+    program.write_text("import threading\nprint('here', flush=True)\nthreading.Event().wait()\n")
+    command = [sys.executable, "-m", "aioduco.cli", "preflight", str(program)]
     own = os.environ | {"TMPDIR": str(tmp_path)}  # what it leaves
     with subprocess.Popen(command, stdout=subprocess.PIPE, env=own) as running:
         assert running.stdout is not None
@@ -288,13 +282,12 @@ def test_a_datagram_socket_opens_no_stream_to_the_same_number(tmp_path: Path) ->
         thread = threading.Thread(target=tunnel.serve_forever, daemon=True)
         thread.start()
         port = tunnel.server_address[1]
-        program = tmp_path / "main.py"
-        program.write_text(
+        report = tried(
+            tmp_path,
             BEGIN + f"with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as here:\n"
             f"    here.bind(('127.0.0.1', {port}))\n"
-            f"    socket.create_connection(('127.0.0.1', {port}), timeout=30)\n"
+            f"    socket.create_connection(('127.0.0.1', {port}), timeout=30)\n",
         )
-        report = preflight(program, quiet=True)
         tunnel.shutdown()
         thread.join()
     assert not report.ok
@@ -356,8 +349,7 @@ def test_time_stands_while_a_loop_with_a_timer_due_does_not_get_to_run(
 @pytest.mark.parametrize("body", TWO_ARMS.values(), ids=TWO_ARMS)
 def test_a_second_arm_is_found_since_both_would_be_the_same(tmp_path: Path, body: str) -> None:
     text = f"import asyncio, aioduco\n{body}asyncio.run(main())\n"
-    (program := tmp_path / "program.py").write_text(text)
-    report = preflight(program, (), PreflightSettings(timeout=110), quiet=True)
+    report = tried(tmp_path, text)
     second = [number for number, line in enumerate(text.splitlines(), 1) if "SECOND" in line]
     assert [(each.kind, each.line) for each in report.findings] == [
         ("not reached", number) for number in second

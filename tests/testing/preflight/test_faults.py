@@ -13,6 +13,8 @@ from aioduco.sim.scene import Box, Rod, Table, Thing
 from aioduco.testing.preflight import PreflightSettings, preflight
 from aioduco.testing.preflight.findings import KINDS
 
+from .trying import tried
+
 PROGRAMS = Path(__file__).parent / "programs"
 CELLS: dict[str, list[Thing]] = {
     "box": [Box(at=(0.35, 0.35, 0.4), size=(0.2, 0.2, 0.8), name="box")],
@@ -104,9 +106,7 @@ asyncio.run(main())
 @pytest.mark.slow
 def test_a_program_that_waits_for_its_own_thread_does_not_hang(tmp_path: Path) -> None:
     """Its time passes as fast as this computer can simulate meanwhile."""
-    path = tmp_path / "computes.py"
-    path.write_text(COMPUTES)
-    report = preflight(path, (), PreflightSettings(patience=5.0, timeout=110), quiet=True)
+    report = tried(tmp_path, COMPUTES, patience=5.0)
     assert report.ok, report.findings
     assert report.duration > 8.0
 
@@ -174,9 +174,7 @@ with aioduco.sync.connect("192.168.1.10"):
 
 
 def test_waits_of_threads_end_at_their_time(tmp_path: Path) -> None:
-    path = tmp_path / "waits.py"
-    path.write_text(WAITS)
-    report = preflight(path, (), PreflightSettings(timeout=110), quiet=True)
+    report = tried(tmp_path, WAITS)
     assert report.ok, report.findings
 
 
@@ -193,9 +191,7 @@ with aioduco.sync.connect("192.168.1.10"):
 @pytest.mark.slow
 def test_short_sleeps_of_a_program_that_polls_do_not_hang(tmp_path: Path) -> None:
     """One in some thousands waited for the clock, which waited for it."""
-    path = tmp_path / "sleeps.py"
-    path.write_text(SLEEPS)
-    assert preflight(path, (), PreflightSettings(timeout=110), quiet=True).ok
+    assert tried(tmp_path, SLEEPS).ok
 
 
 NOBODY_GETS = """
@@ -227,9 +223,7 @@ asyncio.run(main())
 
 @pytest.mark.slow
 def test_an_error_that_nobody_gets_is_a_finding(tmp_path: Path) -> None:
-    path = tmp_path / "program.py"
-    path.write_text(NOBODY_GETS)
-    report = preflight(path, (), PreflightSettings(timeout=110), quiet=True)
+    report = tried(tmp_path, NOBODY_GETS)
     assert [(each.kind, each.line, each.text) for each in report.findings] == [
         ("error", line, "ZeroDivisionError: division by zero") for line in (5, 8, 11)
     ]

@@ -17,18 +17,14 @@ from aioduco.errors import EnvelopeViolated, TaskFailed
 from aioduco.kinematics import arm as arm_of
 from aioduco.sim.planner.path import PlanError
 from aioduco.sim.planner.segments import joint_move, line_move
-from aioduco.testing.preflight import PreflightReport, PreflightSettings, preflight
+from aioduco.testing.preflight import PreflightReport
 from aioduco.testing.preflight.going_on import last_reachable
 from aioduco.testing.preflight.handlers import WaitingLine, handled
 
+from .trying import tried
+
 ARM = arm_of("gcr5_910")
 READY = np.array((0.0, 0.0, np.pi / 2, 0.0, -np.pi / 2, 0.0))
-
-
-def tried(folder: Path, text: str) -> PreflightReport:
-    path = folder / "program.py"
-    path.write_text(text, encoding="utf-8")
-    return preflight(path, (), PreflightSettings(timeout=110), quiet=True)
 
 
 def told(folder: Path, text: str) -> tuple[dict[str, Any], str]:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from aioduco.testing.preflight import PreflightSettings, preflight
+from .trying import tried
 
 PROGRAM = """
 import anyio
@@ -59,9 +59,7 @@ UP = GO.format("DOWN.shifted(z=0.1)")
 def test_a_grip_is_meant_and_a_collision_is_found(
     tmp_path: Path, steps: list[str], found: str | None
 ) -> None:
-    program = tmp_path / "program.py"
-    program.write_text(PROGRAM.replace("STEPS", "\n        ".join(steps)), encoding="utf-8")
-    report = preflight(program, (), PreflightSettings(timeout=110), quiet=True)
+    report = tried(tmp_path, PROGRAM.replace("STEPS", "\n        ".join(steps)))
     texts = [str(each) for each in report.findings]
     if found is None:
         assert report.ok, texts
@@ -108,8 +106,5 @@ opened = 2
 def test_the_gripper_of_a_cell_moves_in_the_programs_own_simulator(tmp_path: Path) -> None:
     """Reading a cell starts no simulator, and no limit of the program is over meanwhile."""
     (tmp_path / "cell.toml").write_text(CELL, encoding="utf-8")
-    program = tmp_path / "program.py"
-    program.write_text(WITH_CELL, encoding="utf-8")
-    settings = PreflightSettings(timeout=110, cwd=str(tmp_path))
-    report = preflight(program, (), settings, quiet=True)
+    report = tried(tmp_path, WITH_CELL, cwd=str(tmp_path))
     assert report.ok, [str(each) for each in report.findings]

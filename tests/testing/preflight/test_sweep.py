@@ -12,8 +12,9 @@ from aioduco.errors import ParameterError
 from aioduco.kinematics import arm
 from aioduco.sim import Simulator
 from aioduco.sim.scene import Box
-from aioduco.testing.preflight import PreflightSettings, preflight
 from aioduco.testing.preflight.variation import KINDS, Variation
+
+from .trying import tried
 
 
 def test_a_seed_makes_the_same_variation_whatever_else_is_varied() -> None:
@@ -95,12 +96,9 @@ def test_a_fault_of_a_part_is_applied_to_the_cell() -> None:
 
 @pytest.mark.slow
 def test_a_program_that_trusts_its_part_is_found_out(tmp_path: Path) -> None:
-    program = tmp_path / "program.py"
-    program.write_text(PICKS)
     seed = next(n for n in range(100) if Variation.of(("parts",), n).parts == "missing")
-    usual = preflight(str(program), (), PreflightSettings(timeout=110), quiet=True)
+    usual = tried(tmp_path, PICKS)
     assert usual.ok, usual.findings
-    settings = PreflightSettings(vary=("parts",), seed=seed, timeout=110)
-    report = preflight(str(program), (), settings, quiet=True)
+    report = tried(tmp_path, PICKS, vary=("parts",), seed=seed)
     assert not report.ok
     assert "nothing there" in report.findings[0].text

@@ -21,6 +21,8 @@ from aioduco.errors import ParameterError
 from aioduco.testing.preflight import PreflightError, PreflightSettings, preflight
 from aioduco.testing.preflight import sweep as module
 
+from .trying import tried
+
 BEGIN = """import sys
 import aioduco, aioduco.sync
 HOME, THERE = [0, 0, 1.6, 0, -1.5, 0], [0.3, 0, 1.6, 0, -1.5, 0]
@@ -173,10 +175,7 @@ def test_a_cluster_elsewhere_runs_in_the_same_folder_and_a_killed_worker_costs_n
 def test_a_cut_connection_is_found_where_the_program_does_not_expect_it(
     tmp_path: Path, program: str
 ) -> None:
-    tried = tmp_path / "tried.py"
-    tried.write_text(program)
-    settings = PreflightSettings(vary=("faults",), seed=4, timeout=110)
-    report = preflight(tried, (), settings, quiet=True)
+    report = tried(tmp_path, program, vary=("faults",), seed=4)
     assert report.variation["faults"] == [CUT]
     found = [(finding.kind, finding.line) for finding in report.findings]
     marked = [number for number, line in enumerate(program.splitlines(), 1) if "# CUT" in line]
@@ -194,9 +193,7 @@ def test_the_fixture_in_a_project_of_its_own(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_no_function_of_this_package_is_replaced(tmp_path: Path) -> None:
-    program = tmp_path / "program.py"
-    program.write_text(ORIGINAL, encoding="utf-8")
-    report = preflight(program, (), PreflightSettings(timeout=110), quiet=True)
+    report = tried(tmp_path, ORIGINAL)
     assert report.ok, report.findings
     assert report.motions
 
@@ -204,17 +201,15 @@ def test_no_function_of_this_package_is_replaced(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_the_start_of_a_thread_takes_no_time_of_the_program(tmp_path: Path) -> None:
     """It waits for the thread: simulated minutes passed until a busy computer let that run."""
-    (program := tmp_path / "program.py").write_text(LATE)
-    report = preflight(program, (), PreflightSettings(timeout=110), quiet=True)
+    report = tried(tmp_path, LATE)
     assert report.ok, report.findings
 
 
 @pytest.mark.slow
 @pytest.mark.linux("limits of a process")
 def test_a_result_that_does_not_fit_on_the_disk_is_none(tmp_path: Path) -> None:
-    (program := tmp_path / "program.py").write_text(LONG)
     with pytest.raises(PreflightError, match="before it was over"):
-        preflight(program, (), PreflightSettings(timeout=110), quiet=True)
+        tried(tmp_path, LONG)
 
 
 @for_each(
