@@ -123,7 +123,6 @@ class RunRecorder:
         self.made: dict[int, CallOrigin | None] = {}
         self.notes: list[dict[str, Any]] = []
         self.contacts: list[dict[str, Any]] = []
-        self.errors: list[dict[str, Any]] = []
         self.io: list[dict[str, Any]] = []
         self.progress: float = 0.0
         self._open: dict[int, ProgramCall] = {}
@@ -133,7 +132,6 @@ class RunRecorder:
         self._touching: dict[str, dict[str, Any]] = {}
         self._at_first: frozenset[str] | None = None
         self._levels: dict[str, bool] = {}
-        self._listed: tuple[str, ...] = ()
         self._times: list[float] = []
         self._q: list[np.ndarray[Any, np.dtype[np.float64]]] = []
         self._qd: list[np.ndarray[Any, np.dtype[np.float64]]] = []
@@ -277,11 +275,6 @@ class RunRecorder:
             self.progress = now
         if self._open:
             self._follow(now)
-        if view.errors != self._listed:
-            for text in view.errors:
-                if text not in self._listed:
-                    self.errors.append({"time": now, "text": text})
-            self._listed = view.errors
         passing_over = self.passing_over
         self._touch(touched(), now, len(self._times), meant=view.force_control or passing_over)
         if now >= self._next_sample:
@@ -366,10 +359,7 @@ class RunRecorder:
                 for call in self.calls
             ]
             notes = [{**note, "where": _where(note["where"])} for note in self.notes]
-        return {
-            "calls": calls, "notes": notes, "contacts": self.contacts, "errors": self.errors,
-            "io": self.io,
-        }  # fmt: skip
+        return {"calls": calls, "notes": notes, "contacts": self.contacts, "io": self.io}
 
     def arrays(self) -> dict[str, Any]:
         """Samples of the moving arm: times, joints, joint speeds, all positions."""
