@@ -16,6 +16,7 @@ import runpy
 import signal
 import sys
 import threading
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -180,7 +181,7 @@ class _Child:
             result = {
                 **self.recorder.as_json(), "status": status, "duration": self.clock.passed,
                 "used": self._controller.cell, "touched": self._cell.simulator is not None,
-                "variation": self.variation.as_json(),
+                "variation": asdict(self.variation),
             }  # fmt: skip
             np.savez(folder / "samples.npz", **self.recorder.arrays())
             # whole: the half of it, as on a full disk, would be taken for the result

@@ -38,6 +38,8 @@ _AGAIN = ("enable", "power_on", "reset_collision", "resume")
 #: beginnings of the names of motions, and of streams, on the wire
 _MOTIONS = ("move", "tcp_move", "wobj_move", "spline")
 _STREAMS = ("servo", "speed")
+#: states of a task that failed
+FAILED = ("ERROR", "ILLEGAL", "PARAMETER_MISMATCH")
 #: time after a collision within which it explains a failed task [s]
 _SOON = 0.5
 
@@ -163,8 +165,7 @@ def _failures(run: Mapping[str, Any], touched: Sequence[float]) -> Iterator[Pref
         if call["impossible"] and call["where"]:
             kind = _kind(call["impossible"], "failed task")
             yield _made(kind, f"{call['text']}: {call['impossible']}", call["begin"], call["where"])
-        failed = call["state"] in ("ERROR", "ILLEGAL", "PARAMETER_MISMATCH")
-        if call["where"] is None or not failed:
+        if call["where"] is None or call["state"] not in FAILED:
             continue
         kind = _kind(call["message"], "failed task")
         if kind == "collision" and _soon(touched, call["ended"]):
@@ -227,11 +228,10 @@ def _notes(run: Mapping[str, Any], touched: Sequence[float]) -> Iterator[Preflig
 
 def _explained(run: Mapping[str, Any], note: Mapping[str, Any], touched: Sequence[float]) -> bool:
     """Whether the error belongs to a task that is already a finding."""
-    failed = ("ERROR", "ILLEGAL", "PARAMETER_MISMATCH")
     return any(
         call["task"] is not None
         and call["task"] == note.get("task")
-        and (call["state"] in failed or _soon(touched, call["ended"]))
+        and (call["state"] in FAILED or _soon(touched, call["ended"]))
         and call["where"]
         for call in run["calls"]
     )

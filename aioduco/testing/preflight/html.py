@@ -17,7 +17,7 @@ from aioduco.kinematics import arm as arm_of
 from aioduco.sim.scene import mounting_of
 from aioduco.sim.view.camera import towards
 from aioduco.sim.view.render import PictureProcess
-from aioduco.testing.preflight.findings import end_of
+from aioduco.testing.preflight.findings import FAILED, end_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -132,8 +132,8 @@ def _timeline(report: PreflightReport) -> str:
         for call in motions:
             if (call["where"]["line"], call["name"]) == (line, name):
                 end = call["ended"] if call["ended"] >= 0.0 else report.duration
-                failed = call["state"] in ("ERROR", "ILLEGAL", "PARAMETER_MISMATCH")
-                colour = "#b3261e" if failed or call["impossible"] else _COLOURS[0]
+                wrong = call["state"] in FAILED or call["impossible"]
+                colour = "#b3261e" if wrong else _COLOURS[0]
                 parts.append(_bar(scale, row, call["started"], end, colour))
     for row, signal in enumerate(signals, len(names)):
         parts.append(_label(row, signal))

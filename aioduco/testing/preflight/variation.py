@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import random
-from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -118,7 +118,3 @@ class Variation:
                 simulator.stick_parts(name, other)
             case "worn" if gripper or simulator.tool is not None:
                 simulator.wear_tool(_WORN * self.extent)
-
-    def as_json(self) -> dict[str, Any]:
-        """The variation as values for JSON."""
-        return asdict(self)
