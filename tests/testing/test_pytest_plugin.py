@@ -165,8 +165,8 @@ class TestByOptions:
 """
 
 
-def run_program(folder: Path, *options: str) -> tuple[int, str]:
-    (folder / "test_program.py").write_text(PROGRAM)
+def run_tests(folder: Path, text: str, *options: str) -> tuple[int, str]:
+    (folder / "test_program.py").write_text(text, encoding="utf-8")
     done = python(
         *("-m", "pytest", "-rs", "-p", "no:cacheprovider"),
         *("-o", "asyncio_mode=auto", *SCOPE, *options, str(folder)),
@@ -185,7 +185,7 @@ def test_a_failed_test_leaves_what_is_known_of_its_arm(
     tmp_path: Path, options: tuple[str, ...], counted: str
 ) -> None:
     left = tmp_path / "left"
-    status, said = run_program(tmp_path, "--duco-artefacts", str(left), *options)
+    status, said = run_tests(tmp_path, PROGRAM, "--duco-artefacts", str(left), *options)
     assert (status, counted in said) == (1, True), said
     (folder,) = left.iterdir()
     assert f"{folder}: run.mcap, events.txt, states.json, run.html" in said
@@ -200,30 +200,30 @@ def test_a_failed_test_leaves_what_is_known_of_its_arm(
 @pytest.mark.slow
 def test_a_fault_that_a_test_connects_past_is_an_error(tmp_path: Path) -> None:
     """Such a test passed, without its fault."""
-    (tmp_path / "test_past.py").write_text(
+    _, said = run_tests(
+        tmp_path,
         "import pytest\nfrom aioduco.testing import DropReply\n"
         "pytestmark = pytest.mark.duco_fault('movej2', DropReply())\n"
         "def test_past(duco_simulator): pass\n"
-        "def test_through(duco_simulator, duco_proxy): pass\n"
+        "def test_through(duco_simulator, duco_proxy): pass\n",
     )
-    done = python("-m", "pytest", "-p", "no:cacheprovider", str(tmp_path), cwd=tmp_path)
-    assert "1 passed, 1 error" in done.stdout, done.stdout + done.stderr
-    assert "connects past its duco_proxy" in done.stdout
+    assert "1 passed, 1 error" in said, said
+    assert "connects past its duco_proxy" in said
 
 
 @pytest.mark.slow
 def test_tests_whose_names_differ_by_signs_leave_files_of_their_own(tmp_path: Path) -> None:
     """The folder of the first was deleted by the second; a long name was too long for a folder."""
-    (tmp_path / "test_signs.py").write_text(
+    left = tmp_path / "left"
+    _, said = run_tests(
+        tmp_path,
         "import pytest\n"
         "@pytest.mark.parametrize('sign', ['+', '*'])\n"
         f"def test_{120 * '臂'}(duco_sync_robot, sign): assert not sign\n",
-        encoding="utf-8",
+        "--duco-artefacts",
+        str(left),
     )
-    left = tmp_path / "left"
-    words = ("-p", "no:cacheprovider", "--duco-artefacts", str(left), str(tmp_path))
-    done = python("-m", "pytest", *words, cwd=tmp_path)
-    assert "2 failed" in done.stdout, done.stdout + done.stderr
+    assert "2 failed" in said, said
     assert len([*left.iterdir()]) == 2
 
 
@@ -231,7 +231,7 @@ def test_tests_whose_names_differ_by_signs_leave_files_of_their_own(tmp_path: Pa
 def test_a_test_that_fails_again_leaves_its_last_run(tmp_path: Path) -> None:
     left = tmp_path / "left"
     for run in range(2):
-        status, said = run_program(tmp_path, "--duco-artefacts", str(left), "-k", "bad")
+        status, said = run_tests(tmp_path, PROGRAM, "--duco-artefacts", str(left), "-k", "bad")
         assert status == 1, said
         (folder,) = left.iterdir()
         if not run:
@@ -255,16 +255,17 @@ def pytest_runtest_protocol(item, nextitem):
 def test_a_test_that_passes_when_it_is_run_again_leaves_nothing(tmp_path: Path) -> None:
     """The recording of the run that passed was left as that of a failure."""
     (tmp_path / "conftest.py").write_text(RERUN)
-    (tmp_path / "test_again.py").write_text(
+    left = tmp_path / "left"
+    _, said = run_tests(
+        tmp_path,
         "runs = []\n"
         "def test_again(duco_sync_robot):\n"
         "    runs.append(duco_sync_robot)\n"
-        "    assert len(runs) == 2\n"
+        "    assert len(runs) == 2\n",
+        "--duco-artefacts",
+        str(left),
     )
-    left = tmp_path / "left"
-    words = ("-p", "no:cacheprovider", "--duco-artefacts", str(left), str(tmp_path))
-    done = python("-m", "pytest", *words, cwd=tmp_path)
-    assert [*left.iterdir()] == [], done.stdout + done.stderr
+    assert [*left.iterdir()] == [], said
 
 
 @pytest.mark.slow
@@ -273,14 +274,14 @@ def test_on_an_arm_tests_are_slow_and_those_that_would_fault_it_are_skipped(tmp_
     with Simulator(speed=20) as sim:
         address = f"{sim.host}:{sim.port}"
         options = ("--duco-host", address, "--duco-host-speed", "55", "--duco-model", "gcr5_910")
-        status, said = run_program(tmp_path, *options)
+        status, said = run_tests(tmp_path, PROGRAM, *options)
         assert (status, "2 passed, 4 skipped" in said) == (0, True), said
         assert f"the arm at {address} will move, at 55 % of its speed" in said
         for reason in ("needs the simulated arm", "faults on the wire", "needs a gcr20_1100"):
             assert reason in said
         with sync.connect(sim.host, sim.port) as robot:
             assert robot.settings.get_global_speed() == 100
-    status, said = run_program(tmp_path, "--duco-host", address, "-n", "2")
+    status, said = run_tests(tmp_path, PROGRAM, "--duco-host", address, "-n", "2")
     assert status == 4
     assert "without -n" in said
 
@@ -302,19 +303,15 @@ def test_an_arm_that_a_test_leaves_moving_is_stopped_before_its_speed_is_put_bac
     tmp_path: Path,
 ) -> None:
     """It went on, faster, until its robot was closed."""
-    (tmp_path / "test_program.py").write_text(_LEFT_MOVING)
     with Simulator() as sim, FaultProxy(sim.host, sim.port) as proxy:
-        done = python(
-            *("-m", "pytest", "-p", "no:cacheprovider", "-o", "asyncio_mode=auto", *SCOPE),
-            *("--duco-host", f"{proxy.host}:{proxy.port}", str(tmp_path)),
-            cwd=tmp_path,
-        )
-        assert done.stdout.count("\nE  ") == 2, done.stdout + done.stderr  # no other error
-        said = [call.method for call in proxy.calls() if call.method in ("movej2", "speed", "stop")]
-    first = said[said.index("movej2") :]
-    assert first.index("stop") < first.index("speed"), said
+        address = f"{proxy.host}:{proxy.port}"
+        _, said = run_tests(tmp_path, _LEFT_MOVING, "--duco-host", address)
+        assert said.count("\nE  ") == 2, said  # no other error
+        made = [call.method for call in proxy.calls() if call.method in ("movej2", "speed", "stop")]
+    first = made[made.index("movej2") :]
+    assert first.index("stop") < first.index("speed"), made
     second = first[first.index("movej2", 1) :]
-    assert second.index("stop") < second.index("speed"), said
+    assert second.index("stop") < second.index("speed"), made
 
 
 @pytest.mark.slow
@@ -328,6 +325,6 @@ def test_an_arm_that_a_test_leaves_moving_is_stopped_before_its_speed_is_put_bac
 def test_an_arm_is_not_brought_up_for_wrong_options(
     tmp_path: Path, options: tuple[str, ...], says: str
 ) -> None:
-    status, said = run_program(tmp_path, "--duco-host", "127.0.0.1:1", *options)
+    status, said = run_tests(tmp_path, PROGRAM, "--duco-host", "127.0.0.1:1", *options)
     assert status == 4
     assert says in said
