@@ -72,6 +72,15 @@ class Tables(RuleBasedStateMachine):
 TestTables = Tables.TestCase
 
 
+def test_an_unknown_id_reads_as_idle() -> None:
+    assert TaskTable().state(1063) is TaskState.IDLE
+
+
+def test_ids_rise_from_a_thousand() -> None:
+    table = TaskTable()
+    assert [table.new("stop") for _ in range(3)] == [1000, 1001, 1002]
+
+
 def test_old_tasks_are_forgotten_and_running_ones_are_not() -> None:
     table = TaskTable(keep=3)
     running = table.new("movel")
@@ -84,4 +93,4 @@ def test_old_tasks_are_forgotten_and_running_ones_are_not() -> None:
 def test_ids_begin_again_after_the_last_that_fits_the_wire() -> None:
     table = TaskTable()
     table._next = 2**31 - 1
-    assert [table.new("stop") for _ in range(2)] == [2**31 - 1, 1000]
+    assert [table.new("stop") for _ in range(2)] == [2**31 - 1, FIRST_ID]
