@@ -277,6 +277,42 @@ async def test_a_stop_ends_what_another_thread_has_handed_over(
     assert not desk.received("movej2")
 
 
+class _Plan:
+    """Reads where the arm is, and follows a line."""
+
+    arm = "GCR5 910"
+
+    async def run_on(
+        self, motion: Any, read_joints: Any, **options: Any
+    ) -> aioduco.TrajectoryResult | None:
+        await read_joints()
+        found: aioduco.TrajectoryResult = await CALLED["follow_joint_trajectory"](
+            SimpleNamespace(motion=motion)  # type: ignore[arg-type]
+        )
+        return found
+
+
+@pytest.mark.parametrize(
+    ("call", "read"),
+    [
+        (CALLED["follow_joint_trajectory"], "get_realtime_data_queue_size"),
+        (lambda robot: robot.motion.execute(_Plan()), "get_actual_joints_position"),
+    ],
+)
+async def test_a_pause_ends_a_path_whose_stream_is_not_open_yet(
+    desk: Desk, robot: aioduco.Robot, call: _Call, read: str
+) -> None:
+    """The arm stood, so that nothing was paused, and it began to move after that."""
+    desk.answer("get_realtime_data_queue_size", 0)
+    held = desk.hold(read, {**_READ, "get_realtime_data_queue_size": 0}[read])
+    begun = asyncio.ensure_future(call(robot))
+    await eventually_async(lambda: bool(desk.received(read)))
+    await robot.pause()
+    held.set()
+    with pytest.raises(aioduco.TaskStopped, match="was not sent"):
+        await begun
+
+
 async def test_a_pause_ends_what_an_undertaking_has_called_and_not_begun(
     desk: Desk, robot: aioduco.Robot
 ) -> None:

@@ -227,23 +227,22 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
             raise ParameterError("switch", switch, "a TrajectorySwitch, or None")
         Feeding(rate=rate, reach=per_group("reach", reach, 6))  # checks both
         options = checked(options)
-        self._supervisor.check_open("follow_joint_trajectory")
-        with self._supervisor.permits.undertaking("follow_joint_trajectory"):
-            queued = through == "realtime" or (through == "auto" and await self._has_queue())
-            return await follow(
-                self._endpoint,
-                self._joints,
-                trajectory,
-                realtime=queued,
-                v=speed,
-                a=acceleration,
-                tolerances=tolerances,
-                feedback=feedback,
-                rate=rate,
-                reach=reach,
-                switch=switch,
-                options=options,
-            )
+        self._supervisor.check_permitted("follow_joint_trajectory")
+        queued = through == "realtime" or (through == "auto" and await self._has_queue())
+        return await follow(
+            self._endpoint,
+            self._joints,
+            trajectory,
+            realtime=queued,
+            v=speed,
+            a=acceleration,
+            tolerances=tolerances,
+            feedback=feedback,
+            rate=rate,
+            reach=reach,
+            switch=switch,
+            options=options,
+        )
 
     @asked_at_call
     async def execute(
@@ -297,19 +296,18 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
         if not (callable(getattr(plan, "run_on", None)) and hasattr(plan, "arm")):
             raise ParameterError("plan", plan, "a plan of aioduco.planning")
         one_of("through", through, (*get_args(Through), "blended"))
-        self._supervisor.check_open("execute")
-        with self._supervisor.permits.undertaking("execute"):
-            await self._require_arm(plan)
-            return await plan.run_on(
-                self,
-                self._joints_at_rest,
-                watch=watch,
-                planner=planner,
-                through=through,
-                tolerances=tolerances,
-                feedback=feedback,
-                options=options,
-            )
+        self._supervisor.check_permitted("execute")
+        await self._require_arm(plan)
+        return await plan.run_on(
+            self,
+            self._joints_at_rest,
+            watch=watch,
+            planner=planner,
+            through=through,
+            tolerances=tolerances,
+            feedback=feedback,
+            options=options,
+        )
 
     async def _require_arm(self, plan: PlannedMotion) -> None:
         """Check that a plan was made for the arm that is there: it may be free for that one alone.

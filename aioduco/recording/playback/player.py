@@ -114,10 +114,11 @@ async def play(
         raise ParameterError("path", path, "a RecordedPath")
     check_following(through, tolerances, feedback)  # before the arm moves to the begin
     options = checked(options)
+    robot.permit("play")  # refused if it was stopped before it began
+    found = await check_path_on(robot, path, arm=arm)
+    if found:
+        raise refused(path.source.name, [str(each) for each in found])
     with robot.permit("play"):
-        found = await check_path_on(robot, path, arm=arm)
-        if found:
-            raise refused(path.source.name, [str(each) for each in found])
         here = np.asarray(await robot.state.get_actual_joints_position())
         if approach is not None and np.abs(here - path.start.array).max() > _NEAR / 10:
             await robot.motion.movej2(path.start, v=approach, a=2.0 * approach)
@@ -307,17 +308,18 @@ async def run_waypoints(
     if not isinstance(waypoints, WaypointFile):
         raise ParameterError("waypoints", waypoints, "a WaypointFile")
     speed = _SHARE("speed", speed)
-    # a stop ends them all from now on, also while they are checked, and during a dwell
+    robot.permit("run_waypoints")  # refused if it was stopped before it began
+    found = await check_waypoints_on(robot, waypoints, arm=arm)
+    if found:
+        raise refused(waypoints.title, found)
+    # all motions are made first: arguments that are not allowed are found before the arm moves
+    motions: list[MotionCommand] = []
+    for waypoint in waypoints.waypoints:
+        motions.append(await _motion(robot, waypoint, speed))
+        # if it is not sent, the error that prevents it is report enough
+        motions[-1].mark_used()
+    # a stop ends them all from now on, also during a dwell
     with robot.permit("run_waypoints"):
-        found = await check_waypoints_on(robot, waypoints, arm=arm)
-        if found:
-            raise refused(waypoints.title, found)
-        # all motions are made first: arguments that are not allowed are found before the arm moves
-        motions: list[MotionCommand] = []
-        for waypoint in waypoints.waypoints:
-            motions.append(await _motion(robot, waypoint, speed))
-            # if it is not sent, the error that prevents it is report enough
-            motions[-1].mark_used()
         ahead: list[MotionCommand] = []
         for waypoint, motion in zip(waypoints.waypoints, motions, strict=True):
             ahead.append(motion)

@@ -11,7 +11,7 @@ import subprocess
 import threading
 import warnings
 from collections import Counter
-from collections.abc import AsyncIterator, Callable, Iterator
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
 from contextlib import asynccontextmanager
 from dataclasses import replace
 from functools import partial
@@ -353,11 +353,17 @@ async def test_waypoints_that_are_not_reached_are_told_of_by_the_error_alone() -
         assert [str(each.message) for each in said] == []
 
 
-async def test_a_stop_while_waypoints_are_checked_ends_them() -> None:
-    """They were asked for before the stop: what is computed meanwhile does not make them newer."""
+@pytest.mark.parametrize("ended", [aioduco.Robot.stop, aioduco.Robot.pause])
+@pytest.mark.parametrize("function", ["get_robot_type", "cal_fkine"])
+async def test_a_stop_or_a_pause_while_waypoints_are_checked_ends_them(
+    ended: Callable[[aioduco.Robot], Awaitable[object]], function: str
+) -> None:
+    """They were asked for before it: what is computed meanwhile does not make them newer."""
+    answers = {"get_robot_type": ["GCR5 910", "", ""], "cal_fkine": [0.5, 0.1, 0.6, 3.1, 0, -1.5]}
     with Bench() as bench:
-        bench.answer("get_robot_type", ["GCR5 910", "", ""])
-        gate = bench.hold("cal_fkine", [0.5, 0.1, 0.6, 3.1, 0.0, -1.5])
+        for name, answer in answers.items():
+            bench.answer(name, answer)
+        gate = bench.hold(function, answers[function])
         async with (
             aioduco.connect(bench.host, bench.port) as robot,
             anyio.create_task_group() as tasks,
@@ -368,10 +374,23 @@ async def test_a_stop_while_waypoints_are_checked_ends_them() -> None:
                     await run_waypoints(robot, waypoints())
 
             tasks.start_soon(run)
-            await eventually_async(lambda: bool(bench.received("cal_fkine")))
-            await robot.stop()
+            await eventually_async(lambda: bool(bench.received(function)))
+            await ended(robot)
             gate.set()
         assert not bench.received("movej2")
+
+
+async def test_a_pause_while_a_path_is_checked_ends_it(tmp_path: Path) -> None:
+    path = RecordedPath.of(read(write(tmp_path / "run.mcap")))
+    with Bench() as bench:
+        gate = bench.hold("get_robot_type", ["GCR5 910", "", ""])
+        async with aioduco.connect(bench.host, bench.port) as robot:
+            begun = asyncio.ensure_future(play(robot, path))
+            await eventually_async(lambda: bool(bench.received("get_robot_type")))
+            await robot.pause()
+            gate.set()
+            with pytest.raises(aioduco.TaskStopped):
+                await begun
 
 
 @pytest.mark.slow
