@@ -28,8 +28,9 @@ if TYPE_CHECKING:
 
 #: time between two samples of the moving arm [s]
 _SAMPLE = 0.02
-#: after the end of a task, time is the wall clock's until this package has polled it [s]
+#: after the end of a task, time is the wall clock's until this package has polled it: at most [s]
 _POLLED = 0.1
+_ENDED = frozenset(state for state in TaskState if state.ended)
 #: calls that are not the program's work, but keep the connection and poll tasks
 _UPKEEP = frozenset({"rpc_heartbeat", "get_noneblock_taskstate"})
 _LONGEST = 80
@@ -126,6 +127,8 @@ class RunRecorder:
         self.io: list[dict[str, Any]] = []
         self.progress: float = 0.0
         self._open: dict[int, ProgramCall] = {}
+        #: tasks that have ended, as long as no poll has told so
+        self._unpolled: set[int] = set()
         self._under_way: list[ProgramCall] = []
         self._simulator: Simulator | None = None
         self._next_sample = 0.0
@@ -178,6 +181,8 @@ class RunRecorder:
             record.result = answer
             if error is not None:
                 record.error = f"{type(error).__name__}: {error}"
+            if name == "get_noneblock_taskstate" and answer in _ENDED:
+                self._unpolled.discard(args[0])
             self._clock.call_ends()
             record.end = self._clock.passed
             if acts:
@@ -306,7 +311,13 @@ class RunRecorder:
                 self._open.pop(number, None)
                 self.progress = now
                 if not record.of_vendor:
-                    self._clock.stream_begins(_after(_POLLED))
+                    self._await_poll(number)
+
+    def _await_poll(self, number: int) -> None:
+        """Let time be the wall clock's until the end of a task has been polled."""
+        due = time.monotonic() + _POLLED
+        self._unpolled.add(number)
+        self._clock.stream_begins(lambda: number not in self._unpolled or time.monotonic() > due)
 
     def _touch(self, touched: str, now: float, sample: int, *, meant: bool) -> None:
         pairs = frozenset(touched.split(", ")) if touched else frozenset()
@@ -371,11 +382,6 @@ class RunRecorder:
             "qd": np.reshape(self._qd, (-1, 6)),
             "positions": np.reshape(same, (len(same), widest)),  # (0, 0) if the arm never moved
         }
-
-
-def _after(seconds: float) -> Callable[[], bool]:
-    due = time.monotonic() + seconds
-    return lambda: time.monotonic() > due
 
 
 def _of_arm(name: str) -> bool:
