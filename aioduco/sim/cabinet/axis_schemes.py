@@ -214,7 +214,7 @@ class SimulatedExternalAxes:
         Raises:
             PlanError: an axis would leave its range.
         """
-        scheme = self.active(name)
+        scheme = self.check_active(name)
         axes = [self._axes[number] for number in scheme.axes]
         for axis, end in zip(axes, target, strict=False):
             if outside(end, axis.lower, axis.upper):
@@ -230,7 +230,7 @@ class SimulatedExternalAxes:
             direction: 1 or -1.
             share: share of the axis's jog speed, 0 to 1.
         """
-        number = self.active(name).axes[0]
+        number = self.check_active(name).axes[0]
         axis = self._axes[number]
         speed = share * (axis.jog or axis.velocity)
         return self._move((number,), [axis.upper if direction > 0 else axis.lower], [speed])
@@ -248,8 +248,8 @@ class SimulatedExternalAxes:
             np.array([axis.braking or axis.acceleration for axis in axes]),
         )
 
-    def active(self, name: str) -> Scheme:
-        """Give a scheme that may be used."""
+    def check_active(self, name: str) -> Scheme:
+        """Check that a scheme may be used, and give it."""
         scheme = self._scheme(name)
         if not scheme.active:
             raise illegal(f"scheme {name!r} is not active")

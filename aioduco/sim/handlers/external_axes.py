@@ -129,7 +129,7 @@ class ExternalAxisHandlers(PathSection):
         target = arguments.numbers("epose", epose, 3)
         speed = arguments.number("eaxis_v", eaxis_v, *_SPEEDS)
         external = self._controller.external_axes
-        external.active(scheme_name)
+        external.check_active(scheme_name)
 
         def both(start: Array) -> Segment:
             return replace(plan(start), axes=external.to(scheme_name, target, speed))

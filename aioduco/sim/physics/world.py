@@ -393,3 +393,10 @@ class World:
         if name == "flange" or name.startswith("tool"):
             return f"the {name.partition('/')[0]}"
         return name.removeprefix("scene/") or "a thing without a name"
+
+    def flange(self) -> Array:
+        """Give the pose of the flange in the base frame. Shape (4, 4)."""
+        # After a step, the frames are still those of its beginning.
+        mujoco.mj_kinematics(self.model, self.data)
+        turn = self.data.site_xmat[self._flange].reshape(3, 3)
+        return self.mounting.inverse().matrix @ transform(turn, self.data.site_xpos[self._flange])
