@@ -254,12 +254,7 @@ class StopCoordinator:
                 raise interrupt
 
     def check_loop(self, what: str) -> None:
-        """Check that this is the robot's event loop, before `what` is done on it.
-
-        Raises:
-            WrongLoop: it is another one.
-            WrongProcess: this is a forked child.
-        """
+        """Raise `WrongLoop` or `WrongProcess` if `what` is not to be done on this event loop."""
         self._poll.owner_loop.require(what)
 
     async def joints(self) -> Sequence[float]:
@@ -541,6 +536,11 @@ class StopCoordinator:
         with anyio.move_on_after(END_LIMIT):
             for task in continuous:
                 await task.wait()
+        paused = any(task.state is TaskState.PAUSED and not task.done for task in continuous)
+        early = not of_mode and any(task.life.continues_after_task for task in continuous)
+        if paused or (early and await self.paused()):
+            _log.warning("%s had no effect on what is paused, so the arm is stopped", name)
+            await self._halt_and_see()
 
     async def _come_to_rest(self, name: str, ended: Sequence[Task]) -> None:
         """Wait until the arm stands after `name`; if that had no effect, stop the arm.

@@ -6,12 +6,14 @@ has finished the task as soon as the motion has begun. The manual allows both.
 
 from __future__ import annotations
 
+import contextlib
 import time
 from collections.abc import Callable
 from typing import Any
 
 import anyio
 import pytest
+from client.bench import BenchTask
 from moments import cancelled_once
 
 import aioduco
@@ -192,6 +194,28 @@ async def test_an_ending_without_effect_becomes_a_stop(desk: Desk) -> None:
         assert not desk.moving()
         assert desk.commands[-1] == "stop"
         assert await task.wait() in {Outcome.STOPPED, Outcome.FINISHED}
+
+
+async def test_an_ending_without_effect_on_what_is_paused_becomes_a_stop(
+    robot: aioduco.Robot, desk: Desk, early: bool
+) -> None:
+    """It would go on when anybody resumes, after its block was left."""
+    desk.motion_time, desk.deaf = 30.0, True
+    desk.moves("speedl")
+    if early:
+        begun = desk._answers["speedl"]
+
+        def start(*args: Any) -> int:
+            begun(*args)
+            return desk._add(BenchTask("speedl", 0.0, 0.0, motion=False))
+
+        desk.answer("speedl", start)
+    with contextlib.suppress(aioduco.TaskStopped):
+        async with robot.motion.speedl(DOWN, a=1.0, time=None):
+            await eventually_async(desk.moving)
+            await robot.pause()
+    desk._resume(False)
+    assert not desk.moving()
 
 
 async def test_nothing_to_end_stops_nothing(robot: aioduco.Robot, desk: Desk) -> None:
