@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import fcntl
+import os
 import shutil
 import subprocess
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+
+import pytest
 
 from aioduco._wire import idl
 
@@ -23,6 +28,7 @@ SERVICES = {
 _OPTIONS = "cpp:no_skeleton,no_ostream_operators,no_default_operators,moveable_types"
 #: a busy machine takes many times the twenty seconds of a quiet one [s]
 _PATIENCE = 600
+_PROGRAMS = (HERE / "driver.cpp", HERE.parent / "programs" / "hardware_interface.cpp")
 _UNITS = ("RPCRobot", "Short", "Older", "Oldest", "First", "robot_types", "clients_types")
 
 
@@ -41,32 +47,59 @@ def generate(out: Path, language: str) -> None:
 
 def driver(out: Path) -> Path:
     """Compile the program of the generated C++ clients."""
-    generate(out, _OPTIONS)
-    (out / "calls.inc").write_text("".join(_calls()), "utf-8")
-    return _program(out, HERE / "driver.cpp", _UNITS)
+    return _program(out, "driver", _UNITS)
 
 
 def hardware_interface(out: Path) -> Path:
     """Compile the program in the manner of ROS 2 drivers."""
-    generate(out, _OPTIONS)
-    return _program(
-        out, HERE.parent / "programs" / "hardware_interface.cpp", ("RPCRobot", "robot_types")
+    return _program(out, "hardware_interface", ("RPCRobot", "robot_types"))
+
+
+def folder(temporary: pytest.TempPathFactory) -> Path:
+    """Where the processes of a run compile: what one has made, the others find."""
+    base = temporary.getbasetemp()
+    out = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "cpp"
+    out.mkdir(exist_ok=True)
+    return out
+
+
+def _made(path: Path, make: Callable[[Path], object]) -> Path:
+    """Make a file, unless another process has made it or does so now."""
+    with path.with_name(f"{path.name}.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not path.exists():
+            part = path.with_name(f"{path.name}.part")
+            make(part)
+            part.rename(path)
+    return path
+
+
+def _program(out: Path, name: str, units: tuple[str, ...]) -> Path:
+    _made(out / "calls.inc", lambda part: _write(out, part))
+    with ThreadPoolExecutor() as pool:
+        objects = list(pool.map(lambda each: _object(out, each), (name, *units)))
+    given = [*map(str, objects), "-lthrift", "-pthread"]
+    return _made(
+        out / name,
+        lambda part: subprocess.run(
+            ["g++", "-o", str(part), *given], check=True, timeout=_PATIENCE
+        ),
     )
 
 
-def _program(out: Path, source: Path, units: tuple[str, ...]) -> Path:
-    shutil.copy(source, out)
-    with ThreadPoolExecutor() as pool:
-        list(pool.map(lambda unit: _compile(out, f"{unit}.cpp"), (source.stem, *units)))
-    program = out / source.stem
-    objects = [str(path) for path in out.glob("*.o")]
-    libraries = ["-lthrift", "-pthread"]
-    subprocess.run(["g++", "-o", str(program), *objects, *libraries], check=True, timeout=_PATIENCE)
-    return program
+def _write(out: Path, calls: Path) -> None:
+    generate(out, _OPTIONS)
+    for source in _PROGRAMS:
+        shutil.copy(source, out)
+    calls.write_text("".join(_calls()), "utf-8")
 
 
-def _compile(out: Path, source: str) -> None:
-    command = ["g++", "-std=c++17", "-O0", "-g0", "-c", source]
+def _object(out: Path, unit: str) -> Path:
+    return _made(out / f"{unit}.o", lambda part: _compile(out, f"{unit}.cpp", part))
+
+
+def _compile(out: Path, source: str, into: Path) -> None:
+    command = ["g++", "-std=c++17", "-O0", "-g0", "-c", source, "-o", str(into)]
     done = subprocess.run(
         command, cwd=out, capture_output=True, text=True, timeout=_PATIENCE, check=False
     )

@@ -67,7 +67,7 @@ def driver(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The program of the C++ clients, compiled from what the same compiler generates."""
     _need("thrift", "thrift-compiler")
     _need("g++", "g++ libthrift-dev libboost-dev")
-    return build.driver(tmp_path_factory.mktemp("driver"))
+    return build.driver(build.folder(tmp_path_factory))
 
 
 def _need(program: str, packages: str) -> None:

@@ -59,4 +59,4 @@ def hardware_interface(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The program in C++, with the client that the compiler generates."""
     _need("thrift", "thrift-compiler")
     _need("g++", "g++ libthrift-dev libboost-dev")
-    return build.hardware_interface(tmp_path_factory.mktemp("hardware"))
+    return build.hardware_interface(build.folder(tmp_path_factory))
