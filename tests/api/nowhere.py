@@ -21,6 +21,7 @@ class _Launcher:
 
     def __init__(self, answer: Answer) -> None:
         self._answer = answer
+        self.in_order = nullcontext()
 
     async def perform(self, name: str, args: tuple[Any, ...], _timeout: float) -> None:
         await self._answer(name, args)
@@ -33,6 +34,9 @@ class _Launcher:
 
     async def feed(self, command: Any, _lane: Any, _mode: Any) -> Any:
         return await self._answer(command.name, command.args)
+
+    def adopt(self, *_: object) -> None:
+        """Its task counts as ended."""
 
     def require_opened(self, _name: str) -> None:
         """It counts as opened."""
@@ -73,10 +77,14 @@ def robot_on(answer: Answer) -> aioduco.Robot:
     async def no_errors() -> tuple[str, ...]:
         return ()
 
+    async def completed(_task: None, _timeout: float) -> None:
+        """Take it for succeeded."""
+
     supervisor.calls.call = supervisor.blocking.call = call
     supervisor.dispatcher = _Launcher(answer)
     supervisor.permits = _Permits()
     supervisor.stop_coordinator.end = end
     supervisor.stop_coordinator.follower.error_list = no_errors
+    supervisor.stop_coordinator.follower.completed = completed
     supervisor.check_open = lambda _: None
     return robot
