@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from .arm import MODE, MOTION, RESUME
-from .shells import Choices, Robot, Run, Tried, depart, virtual_time
+from .departures import Choices, Tried, depart
+from .shells import Robot, Run, virtual_time
 
 
 class Program:
