@@ -108,7 +108,6 @@ def preflight(
             mounting=mounting_option(mounting),
             pedestal=pedestal,
         )
-        parts.pop("gripper", None)
         settings = PreflightSettings(
             **parts,
             vendor=vendor,

@@ -137,7 +137,7 @@ class _Child:
     # -- the simulator ------------------------------------------------------------------------
 
     def _make(self) -> Simulator:
-        keys = ("model", "scene", "tool", "mounting", "pedestal", "joints")
+        keys = ("model", "scene", "tool", "gripper", "mounting", "pedestal", "joints")
         given = {key: self.options[key] for key in keys if self.options.get(key) is not None}
         return Simulator(**given).start()
 

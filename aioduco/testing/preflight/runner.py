@@ -17,8 +17,9 @@ import numpy as np
 
 from aioduco._process.linked_process import LinkedProcess
 from aioduco._process.spawn import MUJOCO_PACKAGES, Unstartable, is_frozen
-from aioduco.errors import DucoError
+from aioduco.errors import DucoError, ParameterError
 from aioduco.kinematics import arm as arm_of
+from aioduco.models.gripper_models import gripper_model
 from aioduco.models.ranges import FINITE, FLAG, FOLDER, JOINTS, TEXTS, TIMEOUT
 from aioduco.models.rules import Integer, stored
 from aioduco.sim.physics.world import World
@@ -52,6 +53,7 @@ class PreflightSettings:
     Attributes:
         model: the arm.
         scene, tool: surroundings and tool of the arm: MJCF, an MJCF file, or things.
+        gripper: name of a gripper at the flange, in place of `tool`, as of `Simulator`.
         mounting: "floor", "wall", "ceiling", or a pose [m, rad].
         pedestal: height of a column under the arm [m].
         joints: start joints [rad]; None for a bent elbow with the flange down.
@@ -74,6 +76,7 @@ class PreflightSettings:
     model: str = "gcr5_910"
     scene: SceneLike | None = None
     tool: SceneLike | None = None
+    gripper: str | None = None
     mounting: MountingLike = "floor"
     pedestal: float = 0.0
     joints: JointsLike | None = None
@@ -92,6 +95,8 @@ class PreflightSettings:
             self, patience=TIMEOUT, timeout=TIMEOUT, pedestal=FINITE, seed=_SEED, vendor=FLAG,
             module=FLAG, allowed=TEXTS, reachable=TEXTS, vary=TEXTS,
         )  # fmt: skip
+        if self.gripper is not None and self.tool is not None:
+            raise ParameterError("gripper", self.gripper, "None with a tool, whose place it takes")
         if self.joints is not None:
             object.__setattr__(self, "joints", tuple(JOINTS("joints", self.joints)))
         if self.cwd is not None:
@@ -243,10 +248,12 @@ def preflight(
 def _world(cell: dict[str, Any]) -> World:
     arm = arm_of(cell["model"])
     scene, tool, pedestal = cell.get("scene"), cell.get("tool"), cell.get("pedestal") or 0.0
+    gripper = cell.get("gripper")
     return World(
         arm,
         scene=None if scene is None else mjcf_of(scene),
         tool=None if tool is None else mjcf_of(tool, free=False),
+        gripper=None if gripper is None else gripper_model(gripper),
         mounting=mounting_of(cell.get("mounting") or "floor", arm, pedestal),
         pedestal=pedestal > 0.0,
     )

@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
+from cli_runner import CliRunner
+
+from aioduco.cli.app import app
+from aioduco.errors import ParameterError
+from aioduco.sim.scene import Rod
+from aioduco.testing.preflight import PreflightSettings
 
 from .trying import tried
 
@@ -78,15 +85,14 @@ from aioduco.sim import Simulator
 
 CELL = Cell.load("cell.toml")
 
-async def main(sim):
-    async with CELL.connect(host=sim.host, port=sim.port) as robot:
+async def main(**address):
+    async with CELL.connect(**address) as robot:
         await robot.bring_up()
         async with CELL.gripper.driver(robot) as gripper:
             await asyncio.wait_for(gripper.close(), 20.0)
             await asyncio.wait_for(gripper.open(), 20.0)
 
-with Simulator(gripper="parallel") as sim:
-    asyncio.run(main(sim))
+SIMULATED
 """
 CELL = """
 arm = "gcr5_910"
@@ -102,9 +108,29 @@ opened = 2
 """
 
 
+OWN = """with Simulator(gripper="parallel") as sim:
+    asyncio.run(main(host=sim.host, port=sim.port))"""
+
+
 @pytest.mark.slow
-def test_the_gripper_of_a_cell_moves_in_the_programs_own_simulator(tmp_path: Path) -> None:
-    """Reading a cell starts no simulator, and no limit of the program is over meanwhile."""
+@pytest.mark.parametrize("own", [True, False])
+def test_the_gripper_of_a_cell_moves(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, own: bool
+) -> None:
+    """In the program's simulator, and in that of `--cell`, which had no gripper.
+
+    Reading a cell starts no simulator, and no limit of the program is over meanwhile.
+    """
     (tmp_path / "cell.toml").write_text(CELL, encoding="utf-8")
-    report = tried(tmp_path, WITH_CELL, cwd=str(tmp_path))
-    assert report.ok, [str(each) for each in report.findings]
+    text = WITH_CELL.replace("SIMULATED", OWN if own else "asyncio.run(main())")
+    (tmp_path / "program.py").write_text(text, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    cell = () if own else ("--cell", "cell.toml")
+    done = CliRunner().invoke(app, ["preflight", "program.py", *cell, "--json", "report.json"])
+    report = json.loads(Path("report.json").read_text("utf-8"))
+    assert (done.exit_code, report["findings"]) == (0, [])
+
+
+def test_a_gripper_is_the_tool() -> None:
+    with pytest.raises(ParameterError, match="gripper is 'parallel'"):
+        PreflightSettings(gripper="parallel", tool=[Rod(length=0.1, radius=0.01)])
