@@ -46,11 +46,13 @@ def is_failure(exc: BaseException) -> bool:
     """Whether a connection failed by this; else a signal handler raised it, as for Ctrl-C."""
     if isinstance(exc, OSError):
         return exc.errno is not None
-    return isinstance(exc, DeadlinePassed | DucoError | EOFError | Malformed)
+    return isinstance(exc, DeadlinePassed | DucoError | EOFError | Malformed | MemoryError)
 
 
 def reason_of(exc: BaseException, progress: Progress) -> str:
     """Return in words why a connection failed during a call with this progress."""
+    if not is_failure(exc):
+        return f"it was interrupted ({type(exc).__name__})"
     match exc:
         case DeadlinePassed():
             unsent = progress is Progress.NOTHING_SENT
@@ -61,9 +63,7 @@ def reason_of(exc: BaseException, progress: Progress) -> str:
             return f"the connection broke ({exc.strerror or exc})"
         case Malformed():
             return f"something else than its answer came: {exc}"
-        case Exception():
-            return f"its answer could not be read ({type(exc).__name__}: {exc})"
-    return f"it was interrupted ({type(exc).__name__})"
+    return f"its answer could not be read ({type(exc).__name__}: {exc})"
 
 
 def failure(

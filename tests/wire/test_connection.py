@@ -441,17 +441,27 @@ def test_a_value_that_cannot_be_sent_leaves_the_connection_alone() -> None:
         assert server.names == ["stop"]
 
 
-def test_an_interrupt_in_mid_call_poisons(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("error", "raised"),
+    [
+        (KeyboardInterrupt, KeyboardInterrupt),
+        (TimeoutError, TimeoutError),  # of a signal handler; those of the system have a number
+        (MemoryError, OutcomeUnknown),
+    ],
+)
+def test_an_interrupt_in_mid_call_poisons(
+    monkeypatch: pytest.MonkeyPatch, error: type[BaseException], raised: type[BaseException]
+) -> None:
     with connected(silent) as (connection, server):
 
         def interrupted(*_: object) -> bytes:
-            raise KeyboardInterrupt
+            raise error
 
         monkeypatch.setattr(DeadlineSocket, "receive", interrupted)
-        with pytest.raises(KeyboardInterrupt):
+        with pytest.raises(raised):
             client(connection).stop(True)
         assert connection.state is ConnectionState.POISONED
-        assert "KeyboardInterrupt" in connection.reason
+        assert error.__name__ in connection.reason
         server.wait_finished(1)
 
 
