@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import threading
 import time
 import warnings
@@ -120,6 +121,8 @@ class Connection:
         except (OSError, UnicodeError, EOFError) as exc:
             given_up = self.state is not ConnectionState.NEW
             self._end("it could not be made")
+            if isinstance(exc, OSError) and not is_failure(exc):
+                raise  # of a signal handler
             if given_up:
                 where = host_port(self.host, self.port)
                 raise ConnectionLost(
@@ -140,7 +143,7 @@ class Connection:
         self._was_open = self._life.opened()
 
     def _connect(self, addresses: list[Address], deadline: float) -> None:
-        error: OSError = TimeoutError("no time was left to connect")
+        error: OSError = TimeoutError(errno.ETIMEDOUT, "no time was left to connect")
         for address, until in self._endpoint.route.tries(addresses, deadline):
             try:
                 stream = DeadlineSocket(address, self._waiting)
@@ -152,8 +155,10 @@ class Connection:
                         raise EOFError  # one way out for all ends
                 stream.connect(until)
             except OSError as exc:
-                error = exc
                 self._drop()
+                if not is_failure(exc):
+                    raise
+                error = exc
                 continue
             with self._guard:
                 if not self._life.opened():

@@ -6,6 +6,7 @@ leads nowhere: a second network, or an old entry.
 
 from __future__ import annotations
 
+import errno
 import os
 import socket
 import threading
@@ -82,7 +83,7 @@ class Lookup:
             UnicodeError: the text can be no name.
         """
         if not self.over:
-            raise TimeoutError("the resolution of its name hangs")
+            raise TimeoutError(errno.ETIMEDOUT, "the resolution of its name hangs")
         if self._error is not None:
             raise self._error
         return self._found

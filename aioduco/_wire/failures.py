@@ -44,9 +44,9 @@ class DeadlinePassed(Exception):
 
 def is_failure(exc: BaseException) -> bool:
     """Whether a connection failed by this; else a signal handler raised it, as for Ctrl-C."""
-    if isinstance(exc, OSError):
-        return exc.errno is not None
-    return isinstance(exc, DeadlinePassed | DucoError | EOFError | Malformed | MemoryError)
+    if isinstance(exc, DeadlinePassed | DucoError | EOFError | Malformed | MemoryError):
+        return True
+    return isinstance(exc, OSError) and exc.errno is not None
 
 
 def reason_of(exc: BaseException, progress: Progress) -> str:

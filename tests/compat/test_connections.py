@@ -14,6 +14,7 @@ from thrift.transport.TTransport import TTransportException
 
 from aioduco import compat
 from aioduco._wire.connection import Connection
+from aioduco._wire.deadline_socket import DeadlineSocket
 from aioduco.compat import DucoCobot
 from aioduco.errors import (
     ConnectError,
@@ -263,6 +264,21 @@ def test_after_an_interrupted_call_the_next_ones_are_sent(
         assert raised.value is error
         assert robot.stop(True) == robot.disable(True) == 4
         assert robot.robotmoving() is True
+
+
+def test_what_an_alarm_raises_while_it_connects_leaves_open_as_it_is(
+    server: RecordingServer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It came out as -1, and a program that tries again until it is connected did so for ever."""
+
+    def alarm(*_: Any) -> None:
+        raise error
+
+    error = TimeoutError("no controller for a minute")
+    monkeypatch.setattr(DeadlineSocket, "connect", alarm)
+    with pytest.raises(TimeoutError) as raised:
+        DucoCobot(server.host, server.port).open()
+    assert raised.value is error
 
 
 @pytest.mark.parametrize("call", ["robotmoving", "stop"])
