@@ -41,14 +41,13 @@ class RobotiqSlave(RtuSlave):
 
     Args:
         fingers: the fingers that it drives.
-        unit: its unit number.
     """
 
     #: position counts when open and when closed, from a support article of the maker
     OPEN, CLOSED = 3, 230
 
-    def __init__(self, fingers: Fingers, unit: int = 9) -> None:
-        super().__init__(unit, registers=dict.fromkeys((*range(1000, 1003), *range(2000, 2003)), 0))
+    def __init__(self, fingers: Fingers) -> None:
+        super().__init__(9, registers=dict.fromkeys((*range(1000, 1003), *range(2000, 2003)), 0))
         self.input_registers: dict[int, int] = self.registers  # both functions read these
         self._fingers = fingers
         self._order = self._activation = 0
@@ -126,15 +125,14 @@ class DhSlave(RtuSlave):
 
     Args:
         fingers: the fingers that it drives.
-        unit: its unit number.
     """
 
-    def __init__(self, fingers: Fingers, unit: int = 1) -> None:
+    def __init__(self, fingers: Fingers) -> None:
         self._settable = fingers.gripper.speed is not None
         names = [0x0100, 0x0101, 0x0103, *([0x0104] if self._settable else [])]
         # 0x0205, the error, is not in the short manuals: a program for a PGEA-50-26 reads it
         zero = dict.fromkeys((*names, 0x0200, 0x0201, 0x0202, 0x0205), 0)
-        super().__init__(unit, registers=zero | {0x0101: 100, 0x0103: 1000})
+        super().__init__(1, registers=zero | {0x0101: 100, 0x0103: 1000})
         if self._settable:
             self.registers[0x0104] = 100
         self.input_registers: dict[int, int] = self.registers

@@ -31,14 +31,8 @@ _PICTURES, _SIZE = 8, (480, 360)
 _COLOURS = ("#0b6e99", "#c2571a", "#3a8f3a", "#8a3fa0", "#b8860b", "#555555")
 
 
-def page(report: PreflightReport, *, pictures: bool = True) -> str:
-    """The page of a report.
-
-    Args:
-        report: report of a run.
-        pictures: whether to draw the arm at each finding; without OpenGL the page says why it does
-            not.
-    """
+def page(report: PreflightReport) -> str:
+    """The page of a report, with the arm at each finding: without OpenGL it says why not."""
     found = len(report.findings)
     verdict = (
         '<b class="ok">Nothing was found.</b>' if report.ok
@@ -53,7 +47,7 @@ def page(report: PreflightReport, *, pictures: bool = True) -> str:
         f"<h1>Preflight of <code>{escape(command)}</code></h1>",
         f"<p>{verdict} {tried}{_seed(report)}</p>",
         _findings(report),
-        _pictures(report) if pictures else "",
+        _pictures(report),
         "<h2>Timeline</h2>", _timeline(report),
         "<h2>Joint speeds, share of the limit</h2>", _speeds(report),
         "<h2>Smallest margins</h2>",
