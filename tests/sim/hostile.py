@@ -37,6 +37,7 @@ SPARED = frozenset(("shutdown", "restart"))
 ODD_NUMBERS = (float("nan"), float("inf"), float("-inf"), 1e308, -1e308, 5e-324, 0.0, -0.0, 1e-9)
 _SIZES = (-(2**31), -1, 2**16 + 1, 2**20 + 1, 2**30, 2**31 - 1)
 _BATCH = 12
+_SENDERS = 4  # at once
 _ENABLED_EVERY = 10  # batches
 _ENABLED = 6
 #: how long an answer may take: a motion ends by its own or by the probe's stop [s]
@@ -146,15 +147,13 @@ class Fuzzer:
         port: of the server, on loopback.
         frames: how many in all.
         seed: of the frames.
-        connections: how many at once.
     """
 
-    def __init__(self, port: int, frames: int, seed: int = 1, connections: int = 4) -> None:
+    def __init__(self, port: int, frames: int, seed: int = 1) -> None:
         self._port = port
         self._numbers = itertools.count(0, _BATCH)
         self._frames = frames
         self._seed = seed
-        self._count = connections
         self._lock = threading.Lock()
         #: held while the arm is switched on, which the other connections' frames would undo
         self._alone = threading.Lock()
@@ -165,7 +164,7 @@ class Fuzzer:
 
     def run(self) -> Outcome:
         """Send all of them, and return what came of it."""
-        senders = [threading.Thread(target=self._send) for _ in range(self._count)]
+        senders = [threading.Thread(target=self._send) for _ in range(_SENDERS)]
         probe = threading.Thread(target=self._probe)
         for thread in (*senders, probe):
             thread.start()

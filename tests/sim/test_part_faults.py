@@ -51,14 +51,14 @@ class Cell:
     def where(self, name: str) -> PartPlace:
         return self.world.parts.where(name, self.world.positions)
 
-    def grip(self, lift: float = 0.05) -> None:
+    def grip(self) -> None:
         """Close the fingers, and lift what they hold."""
         self.hand.command((0.0,), 0.1, 60.0)
         assert self.run(2.0, lambda: self.hand.reading.caught == 1)
         self.run(0.1)
         frame = GCR5.fkine(READY)
         for _ in range(100):
-            frame[2, 3] += lift / 100
+            frame[2, 3] += 0.05 / 100
             self.at = JointSetPoint(GCR5.ikine(frame, self.at.q), ZERO, ZERO)
             self.run(0.01)
         self.run(0.2)

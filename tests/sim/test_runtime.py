@@ -49,9 +49,6 @@ class Follower:
         if not self.braked[-1]:
             self.q = setpoint.q
 
-    def arrange(self, q: object, things: object) -> None:
-        """There is nothing to be put anywhere."""
-
     def brake(self, on: bool) -> None:
         self.braked.append(on)
 

@@ -130,7 +130,7 @@ def _trapezoid(way: float, speed: float, hard: float) -> list[tuple[float, float
 
 
 def changes(
-    random: np.random.Generator, times: dict[str, float], repeats: int = 5
+    random: np.random.Generator, times: dict[str, float]
 ) -> tuple[tuple[TimedCall, ...], tuple[StateRead, ...]]:
     """Calls that change the power, and reads of the state beside them, some of them late."""
     ends = {
@@ -141,7 +141,7 @@ def changes(
     }
     now, state = 10.0, RobotState.ENABLE
     calls, states = [], []
-    for _ in range(repeats):
+    for _ in range(5):
         for name, end in ends.items():
             taken = random.uniform(0.0, 0.001)
             delay = random.uniform(0.0, 0.002)
@@ -163,11 +163,9 @@ def torqued(
     random: np.random.Generator,
     friction: tuple[Array, Array],
     load: tuple[float, Array],
-    lag: float = 0.0,
 ) -> Evidence:
     """Turns of the joints with torques read beside them, and torques at rest."""
-    gain = np.full(6, 1.0 / lag if lag else 200.0)
-    motions = turns(random, np.full(6, lag), gain, np.zeros(6))
+    motions = turns(random, np.zeros(6), np.full(6, 200.0), np.zeros(6))
     rest = np.repeat(configurations(random, 30), 60, axis=0)  # half a second at each
     still = np.zeros_like(rest)
     begin = float(motions.time[-1])

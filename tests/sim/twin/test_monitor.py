@@ -62,11 +62,11 @@ def said(watching: TwinMonitor, items: Iterable[Any]) -> list[Divergence]:
     return found
 
 
-def rubbing(share: float = 1.0, *, more: float = 0.0, at: float = 0.0) -> Callable[..., np.ndarray]:
+def rubbing(*, more: float = 0.0, at: float = 0.0) -> Callable[..., np.ndarray]:
     """Torques of the normal friction, and from some time on of more."""
 
     def torques(_q: np.ndarray, qd: np.ndarray, time: float) -> np.ndarray:
-        now = share + (more if time > at else 0.0)
+        now = 1.0 + (more if time > at else 0.0)
         return -now * 0.03 * EFFORT * np.clip(qd / 0.02, -1.0, 1.0)
 
     return torques
