@@ -80,14 +80,16 @@ class Permit:
     Args:
         name: the function of the wire or the undertaking that it was given for.
         epoch: the epoch in which it was asked for.
+        lasting: the same of undertakings.
         stops: number of stops that had been requested by then.
     """
 
-    __slots__ = ("epoch", "name", "stops")
+    __slots__ = ("epoch", "lasting", "name", "stops")
 
-    def __init__(self, name: str, epoch: _Epoch, stops: int) -> None:
+    def __init__(self, name: str, epoch: _Epoch, lasting: _Epoch, stops: int) -> None:
         self.name: str = name
         self.epoch: _Epoch = epoch
+        self.lasting: _Epoch = lasting
         self.stops: int = stops
 
     def __repr__(self) -> str:
@@ -240,11 +242,12 @@ class Gate:
             raise refusal
         if within is not None:
             self._require_current(name, within)
-        return Permit(name, self._lasting if lasting else self._epoch, self.stops)
+        epoch = self._lasting if lasting else self._epoch
+        return Permit(name, epoch, self._lasting, self.stops)
 
     def present(self, name: str) -> Permit:
         """Return a permit of this moment, valid or not: what belongs to it ends with it."""
-        return Permit(name, self._epoch, self.stops)
+        return Permit(name, self._epoch, self._lasting, self.stops)
 
     def check(self, permit: Permit, now: float) -> None:
         """Check that a permit is valid; the last thing before bytes are handed to a socket.
@@ -274,10 +277,10 @@ class Gate:
         return bool(self._stopping)
 
     def ending(self, permit: Permit) -> PermitEnding | None:
-        """Return why a permit has ended; None if it has not."""
+        """Return why a permit has ended, what came after a pause first; None if it has not."""
         if permit.epoch in (self._epoch, self._lasting):
             return None
-        return permit.epoch.ending or PermitEnding.STOPPED
+        return permit.lasting.ending or permit.epoch.ending or PermitEnding.STOPPED
 
     def end(self, ending: PermitEnding) -> None:
         """End all permits, from any thread."""

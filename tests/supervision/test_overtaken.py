@@ -129,6 +129,23 @@ async def test_a_mode_that_waits_for_a_stop_is_ended_by_the_next_one(
     assert not mode.on
 
 
+async def test_a_stop_behind_a_pause_counts_for_a_motion_on_its_way(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    """Its permit had ended by the pause, and the stop after that was not noticed."""
+    bench.motion_time = 30.0
+    let = bench.hold("movej2", bench._answers["movej2"])
+    async with anyio.create_task_group() as tg:
+        tg.start_soon(robot.motion.movej2(HOME, v=1.0, a=1.0).start)
+        await eventually_async(lambda: bench.received("movej2"))
+        tg.start_soon(robot.pause)
+        await eventually_async(lambda: bench.received("pause"))
+        await stopped_now(robot)
+        let.set()
+    bench._resume(False)
+    assert not bench.moving()
+
+
 async def test_abort_waits_out_what_is_on_its_way(robot: aioduco.Robot, bench: Bench) -> None:
     bench.motion_time = 30.0
     let = bench.hold("movej2", bench._motion("movej2"))
