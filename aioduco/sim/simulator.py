@@ -200,16 +200,21 @@ class Simulator(OperatorActions, PartFaults, ArmPictures, Startable):
             raise ValueError("a gripper is the tool: give one of the two")
         if not isinstance(model, Arm):
             model = known.arm if known is not None else arm_of(_USUAL if model is None else model)
+        self.arm: Final[Arm] = model
+        self.mounting: Final[Pose] = mounting_of(mounting, self.arm, pedestal)
+        self.gripper: Final = None if gripper is None else gripper_model(gripper)
         joints = READY if joints is None else JOINTS("joints", joints)
         if trial.current is not None:
             joints, cycle, speed = trial.current.made(
-                model, joints, scene=scene, tool=tool, mounting=mounting, pedestal=pedestal
+                *(model, joints),
+                scene=scene,
+                tool=tool,
+                gripper=gripper,
+                mounting=mounting,
+                pedestal=pedestal,
             )
-        self.arm: Final[Arm] = model
         self.generation: Final[Generation] = generation
         self.seed: Final = seed
-        self.mounting: Final[Pose] = mounting_of(mounting, self.arm, pedestal)
-        self.gripper: Final = None if gripper is None else gripper_model(gripper)
         self.cabinet: Final[Cabinet] = Cabinet(SystemValues(values))
         self.cabinet.tooled = tool is not None or gripper is not None
         self.cabinet.project.add(programs or {})

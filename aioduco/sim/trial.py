@@ -29,6 +29,7 @@ class ControllerTrial(ABC):
         *,
         scene: SceneLike | None,
         tool: SceneLike | None,
+        gripper: str | None,
         mounting: MountingLike,
         pedestal: float,
     ) -> tuple[JointsLike, float, float]:

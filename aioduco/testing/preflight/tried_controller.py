@@ -119,14 +119,16 @@ class TriedController(ControllerTrial):
         *,
         scene: SceneLike | None,
         tool: SceneLike | None,
+        gripper: str | None,
         mounting: MountingLike,
         pedestal: float,
     ) -> tuple[JointsLike, float, float]:
         """A simulator has the preflight's cycle, and the varied joints."""
-        self.cell = {"model": arm.name, "mounting": mounting, "pedestal": pedestal}
+        self.cell = {
+            "model": arm.name, "gripper": gripper, "mounting": mounting, "pedestal": pedestal,
+        }  # fmt: skip
         for key, things in (("scene", scene), ("tool", tool)):
-            if things is not None:
-                self.cell[key] = mjcf_of(things, free=key == "scene")
+            self.cell[key] = None if things is None else mjcf_of(things, free=key == "scene")
         if self._variation.start:
             joints = self._variation.started(joints, arm)
         return joints, self._cycle, 1.0

@@ -88,6 +88,7 @@ CELL = Cell.load("cell.toml")
 async def main(**address):
     async with CELL.connect(**address) as robot:
         await robot.bring_up()
+        await robot.motion.movej2([0.3, 0, 1.6, 0, -1.5, 0], v=1.0, a=2.0)
         async with CELL.gripper.driver(robot) as gripper:
             await asyncio.wait_for(gripper.close(), 20.0)
             await asyncio.wait_for(gripper.open(), 20.0)
@@ -126,9 +127,12 @@ def test_the_gripper_of_a_cell_moves(
     (tmp_path / "program.py").write_text(text, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     cell = () if own else ("--cell", "cell.toml")
-    done = CliRunner().invoke(app, ["preflight", "program.py", *cell, "--json", "report.json"])
+    files = ("--json", "report.json", "--html", "report.html")
+    done = CliRunner().invoke(app, ["preflight", "program.py", *cell, *files])
     report = json.loads(Path("report.json").read_text("utf-8"))
-    assert (done.exit_code, report["findings"]) == (0, [])
+    assert (done.exit_code, report["findings"]) == (0, []), done.output
+    assert [each["of"] for each in report["margins"]][-1] == "obstacle"  # the fingers, too
+    assert "<figure>" in Path("report.html").read_text("utf-8")
 
 
 def test_a_gripper_is_the_tool() -> None:
