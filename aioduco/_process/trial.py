@@ -72,6 +72,10 @@ class Trial(ABC):
         """The program's time [s of its `time.monotonic`]."""
 
     @abstractmethod
+    def sleep(self, seconds: float) -> None:
+        """Let so much of the program's time pass, as the program's `time.sleep` does [s]."""
+
+    @abstractmethod
     def untimed(self) -> AbstractContextManager[object]:
         """A block that takes none of the program's time, however long this computer needs."""
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Generic, Literal, NamedTuple, Self, TypeAlias, TypeVar, get_args
 
@@ -401,7 +401,9 @@ class StateFeed(Uncopied, MisspeltRefused):
         if not callable(predicate):
             raise ParameterError("predicate", predicate, "a function of a sample")
         seen, newest = 0, None
-        with anyio.move_on_after(timeout), self.subscribe() as subscription:
+        # samples and the time limit are by the wall clock
+        pace = nullcontext() if timeout is None else trial.at_own_pace()
+        with pace, anyio.move_on_after(timeout), self.subscribe() as subscription:
             async for snapshot in subscription:
                 if not self._complete(snapshot):
                     continue

@@ -288,7 +288,9 @@ class Runner:
 
     def sleep(self, seconds: float) -> None:
         """Wait; this counts as a call of the thread."""
-        self.call(anyio.sleep(seconds))
+        self.call(anyio.sleep(seconds if trial.current is None else 0.0))
+        if trial.current is not None:
+            trial.current.sleep(seconds)
 
     def holds(self, task: Task) -> None:
         """Note that the calling thread holds a task."""

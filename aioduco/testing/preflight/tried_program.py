@@ -94,6 +94,10 @@ class TriedProgram(Trial):
         """The program's time."""
         return self._clock.now()
 
+    def sleep(self, seconds: float) -> None:
+        """Let the program's time pass."""
+        self._clock.sleep(seconds)
+
     @contextmanager
     def untimed(self) -> Iterator[None]:
         """Hold the program's time."""

@@ -136,6 +136,30 @@ def test_motions_and_stops_take_the_time_of_the_arm(tmp_path: Path) -> None:
     assert report.ok, report.findings
 
 
+ON_PURPOSE = """
+import contextlib, time
+import aioduco.sync
+
+with aioduco.sync.connect("192.0.2.1") as robot:
+    robot.bring_up()
+    begin = time.monotonic()
+    robot.sleep(40.0)
+    assert 40.0 <= time.monotonic() - begin < 45.0
+    begin = time.monotonic()
+    with contextlib.suppress(TimeoutError):
+        robot.wait_for(lambda sample: sample.io.input(1), timeout=4.0)
+    assert time.monotonic() - begin < 20.0
+"""
+
+
+@pytest.mark.slow
+def test_a_wait_with_an_end_is_no_endless_one(tmp_path: Path) -> None:
+    """It was one after three seconds, in which half an hour of the program passed."""
+    (path := tmp_path / "waits.py").write_text(ON_PURPOSE)
+    report = preflight(path, (), PreflightSettings(patience=20.0, timeout=110), quiet=True)
+    assert report.ok, report.findings
+
+
 WAITS = """
 import concurrent.futures, contextlib, queue, threading, time
 import aioduco.sync
