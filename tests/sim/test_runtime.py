@@ -14,7 +14,6 @@ from typing import cast
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from aioduco.sim import batches
 from aioduco.sim import runtime as module
@@ -26,8 +25,6 @@ from aioduco.sim.runtime import SimulatedClock, SimulationRuntime
 from aioduco.testing import eventually
 
 from .fakes import HOME, FakeMover, controller_of, leg
-
-Vector = NDArray[np.float64]
 
 
 class Follower:
