@@ -164,6 +164,10 @@ class StopCoordinator:
         for task in self.follower.tasks:
             task.stopped_by = task.stopped_by or why
 
+    def _on_their_way(self) -> dict[LaneCall, ModeEnding | None]:
+        """Of `pending`, what was sent: what waits for a connection is refused after a stop."""
+        return {call: mode for call, mode in self.pending.items() if call.handed_over}
+
     async def stands(self) -> bool:
         """Return whether the arm stands; also True if the controller cannot report it."""
         try:
@@ -182,7 +186,7 @@ class StopCoordinator:
         settings = self._settings
         with self.gate.stop():
             # Of these, the controller may serve any after the stop.
-            overtaken, stops = dict(self.pending), self.stops
+            overtaken, stops = self._on_their_way(), self.stops
             await self.send_stop(settings.stop_timeout)
             await self.rest(settings.stop_timeout, settings.standstill_timeout, overtaken)
             self.confirmed = max(self.confirmed, stops)
@@ -230,7 +234,7 @@ class StopCoordinator:
         """
         await self._channel.rest(stop_timeout, timeout)
         if stop_timeout is not None:
-            on_their_way = {**(overtaken or {}), **self.pending}
+            on_their_way = {**(overtaken or {}), **self._on_their_way()}
             if on_their_way or self.worker_died:
                 await self.stop_until_certain(on_their_way)
             self.unfollowed_motion = False
@@ -566,8 +570,8 @@ class StopCoordinator:
             Whether anything is paused, as far as that is known.
         """
         with self.gate.stop(PermitEnding.PAUSED):
-            # Of these, the controller may serve any after the pause; what waits is not sent.
-            overtaken = [call for call in self.pending if call.handed_over]
+            # Of these, the controller may serve any after the pause.
+            overtaken = self._on_their_way()
             if self.streams:
                 # A stream follows a clock, and cannot go on later; nor may what it has sent.
                 await self.send_stop(self._settings.stop_timeout)
@@ -638,7 +642,7 @@ class StopCoordinator:
         """
         try:
             with self.gate.stop():
-                overtaken = dict(self.pending)
+                overtaken = self._on_their_way()
                 if halt_streams(self.streams):
                     await self._silence_streams()
                 await self._controlled("abort")
@@ -646,10 +650,9 @@ class StopCoordinator:
                 await self.standstill()
                 if overtaken or self.worker_died:
                     await self.stop_until_certain(overtaken)
-        except StopUnconfirmed:
-            raise
-        except BaseException:
-            await self._halt_and_see()
+        except BaseException as exc:
+            if not isinstance(exc, StopUnconfirmed):
+                await self._halt_and_see()
             raise
 
     async def standstill(self, stops_before: int | None = None) -> None:
@@ -673,12 +676,9 @@ class StopCoordinator:
         await self._channel.rest(None, self._settings.standstill_timeout, is_another)
 
     async def lapsed(self) -> HeartbeatLost:
-        """Wait until the controller has stopped the arm by itself, because no heartbeat came.
+        """Wait until the controller has stopped the arm, as no heartbeat came; return the error.
 
         Without a heartbeat, or while beats are answered, this never returns.
-
-        Returns:
-            The error for the motions that were running.
         """
         since: float | None = None
         async for due in every(_LOOK_EVERY):

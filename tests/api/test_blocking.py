@@ -301,6 +301,29 @@ async def test_after_a_stop_nothing_that_waited_for_a_connection_is_sent(desk: D
     assert len(desk.received("movel")) == 1
 
 
+@pytest.mark.parametrize("ended", [aioduco.Robot.stop, aioduco.Robot.abort, aioduco.Robot.pause])
+async def test_a_stop_does_not_wait_for_what_waits_for_a_connection(
+    desk: Desk, ended: Callable[[aioduco.Robot], Awaitable[object]]
+) -> None:
+    """It is refused when it has one; what keeps the connections moves nothing."""
+    errors: list[BaseException] = []
+    let = desk.hold("enable_eaxis_scheme")
+    async with (
+        aioduco.connect(desk.host, desk.port, pool_size=1) as robot,
+        anyio.create_task_group() as tg,
+    ):
+        tg.start_soon(robot.external_axes.enable_eaxis_scheme, "rail")
+        await eventually_async(lambda: desk.received("enable_eaxis_scheme"))
+        tg.start_soon(noted, errors, aioduco.TaskStopped, line(robot))
+        lane = robot._supervisor.blocking
+        await eventually_async(lambda: lane.statistics().waiting)
+        await ended(robot)
+        assert not errors  # it waits still
+        let.set()
+    assert len(errors) == 1
+    assert not desk.received("movel")
+
+
 async def test_in_a_permit_that_has_ended_nothing_is_sent(robot: aioduco.Robot, desk: Desk) -> None:
     with robot.permit("pick"):
         await robot.stop()
