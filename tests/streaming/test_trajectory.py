@@ -33,6 +33,7 @@ from aioduco.streaming.joint_trajectory import (
 from aioduco.streaming.sampling import Spline, sampled
 from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.streaming.shared.space import JOINT_SPACE, POSE_SPACE, Config, PoseSpace
+from aioduco.streaming.worker.clock import Schedule
 
 from .conftest import HERE, Controller, Cycles, answer_all, came_to_rest
 
@@ -150,6 +151,20 @@ def test_arrays_that_do_not_fit_are_refused(trajectory: Any, times: Any, name: s
 # -- execution ---------------------------------------------------------------------------------
 
 
+@pytest.fixture
+def missed(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Ticks that a busy machine let the stream's worker miss."""
+    found: list[int] = []
+    advance = Schedule.advance
+
+    def counted(schedule: Schedule, now: int) -> int:
+        found.append(advance(schedule, now))
+        return found[-1]
+
+    monkeypatch.setattr(Schedule, "advance", counted)
+    return found
+
+
 class Arm:
     """An arm that does what it is told, a few set-points later, or does not."""
 
@@ -206,7 +221,9 @@ async def test_a_first_time_above_zero_leads_up_from_where_the_arm_is(
     np.testing.assert_allclose(points[-1], goal, atol=1e-9)
 
 
-async def test_an_arm_that_is_stuck_violates_the_path(controller: Controller) -> None:
+async def test_an_arm_that_is_stuck_violates_the_path(
+    controller: Controller, missed: list[int]
+) -> None:
     arm = Arm(controller)
     arm.stuck = np.array([HERE[0] + 0.03, *[np.inf] * 5])
     with pytest.raises(PathToleranceViolated, match="joint 1"):
@@ -214,7 +231,7 @@ async def test_an_arm_that_is_stuck_violates_the_path(controller: Controller) ->
     assert controller.stops == ["stop"]
     places = np.array(controller.points())[:, 0]
     # It was brought to rest: not at the end, and not in one tick.
-    assert came_to_rest(places, 500, 20.0)
+    assert came_to_rest(places, 500, 20.0, sum(missed))
 
 
 @pytest.mark.slow
@@ -228,7 +245,7 @@ async def test_an_arm_that_does_not_arrive_violates_the_goal(controller: Control
 @pytest.mark.slow
 @pytest.mark.parametrize("on_the_way", [True, False])
 async def test_an_arm_whose_place_is_not_answered_comes_to_rest(
-    controller: Controller, on_the_way: bool
+    controller: Controller, missed: list[int], on_the_way: bool
 ) -> None:
     arm = Arm(controller)
 
@@ -244,11 +261,10 @@ async def test_an_arm_whose_place_is_not_answered_comes_to_rest(
             options=THREAD,
         )  # fmt: skip
     places = np.array(controller.points())[:, 0]
-    assert places[-1] == places[-2]
-    assert np.abs(np.diff(places, n=2)).max() * 500**2 <= 20.0 * (1 + 1e-6)
+    assert came_to_rest(places, 500, 20.0, sum(missed))
 
 
-async def test_cancelling_brings_the_arm_to_rest(controller: Controller) -> None:
+async def test_cancelling_brings_the_arm_to_rest(controller: Controller, missed: list[int]) -> None:
     arm = Arm(controller)
     with anyio.CancelScope() as scope:
 
@@ -259,7 +275,7 @@ async def test_cancelling_brings_the_arm_to_rest(controller: Controller) -> None
         await run(controller, arm, feedback=after_a_while)
     assert scope.cancelled_caught
     places = np.array(controller.points())[:, 0]
-    assert came_to_rest(places, 500, 20.0)
+    assert came_to_rest(places, 500, 20.0, sum(missed))
     assert places[-1] > HERE[0] + 1e-3
 
 
