@@ -27,7 +27,7 @@ from aioduco.models.enums import Outcome, TaskState
 from aioduco.models.host_port import host_port
 from aioduco.models.names import ManualNames
 from aioduco.supervision.command import HeldMotion, MotionCommand
-from aioduco.supervision.concurrency import every
+from aioduco.supervision.concurrency import every, run_to_completion
 from aioduco.supervision.task import task_error
 from aioduco.supervision.task_command import Aim, Command, shown
 from aioduco.supervision.task_state import ContinuousMotion, JointEta, TaskLifecycle, added_entries
@@ -280,7 +280,12 @@ class Section(Uncopied, ManualNames):
         """
         self._supervisor.check_open(call.name)
         before = await self._follower.error_list()
-        answer = await self._rpc.send(call)
+        await self._end_of(call, await self._rpc.send(call), before, timeout)
+
+    async def _end_of(
+        self, call: WireCall[int], answer: int, before: Sequence[str], timeout: float
+    ) -> None:
+        """Wait for the end of a call that was answered; `_carry_out` describes it."""
         if answer > max(TaskState):
             command = Command(call.name, call.args, motion=False)
             task = self._supervisor.dispatcher.adopt(command, answer, before)
@@ -346,7 +351,14 @@ class Section(Uncopied, ManualNames):
         self._supervisor.check_open(call.name)
         async with self._supervisor.dispatcher.in_order:
             await self._check_standstill(call.name)
-            await self._carry_out(call, timeout)
+            before, lane = await self._follower.error_list(), self._supervisor.calls
+            sent = lane.prepare(call.name, call.args)
+            lane.send(sent)
+            # also if this is cancelled: a motion may not come before it
+            _, cancelled = await run_to_completion(sent.wait)
+            if (error := cancelled or sent.error) is not None:
+                raise error
+            await self._end_of(call, sent.value, before, timeout)
 
     async def _check_standstill(self, function: str) -> None:
         """Check that the arm stands; it may swing a little after the end of a motion."""

@@ -6472,8 +6472,9 @@ class Robot(RobotLifecycle, ManualNames):
     def pause(self) -> bool:
         """Pause all tasks (暂停所有任务), and wait until the arm stands.
 
-        An open stream ends, and the arm is stopped: nothing that it has sent goes on later. So is a
-        motion of `blocking` of which the controller does not say in time that it is paused.
+        An open stream ends, and the arm is stopped: nothing that it has sent goes on later. Beside
+        a call of `robot.blocking`, it is stopped if nothing is said to be paused within
+        `call_timeout`: the call may still come.
 
         Returns:
             Whether anything is paused, as far as the controller says it. If not, the next motion

@@ -45,6 +45,18 @@ class _Launcher:
         """No stream begins here: nothing is waited for."""
 
 
+class _SentCall:
+    """A call that is answered when it is waited for."""
+
+    error = None
+
+    def __init__(self, asked: Awaitable[Any]) -> None:
+        self._asked = asked
+
+    async def wait(self) -> None:
+        self.value = await self._asked
+
+
 class _Permits:
     """Permits everything: what ends a permit is left out."""
 
@@ -81,6 +93,8 @@ def robot_on(answer: Answer) -> aioduco.Robot:
         """Take it for succeeded."""
 
     supervisor.calls.call = supervisor.blocking.call = call
+    supervisor.calls.prepare = lambda name, args: _SentCall(answer(name, args))
+    supervisor.calls.send = lambda _: None
     supervisor.dispatcher = _Launcher(answer)
     supervisor.permits = _Permits()
     supervisor.stop_coordinator.end = end

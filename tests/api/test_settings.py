@@ -262,14 +262,22 @@ async def test_a_motion_that_is_being_sent_counts(robot: aioduco.Robot, desk: De
 
 
 @pytest.mark.parametrize("name", ["fc_stop", "simulation"])
-async def test_no_motion_is_sent_meanwhile(robot: aioduco.Robot, desk: Desk, name: str) -> None:
+@pytest.mark.parametrize("cancelled", [False, True])
+async def test_no_motion_is_sent_meanwhile(
+    robot: aioduco.Robot, desk: Desk, name: str, cancelled: bool
+) -> None:
     let = desk.hold(name)
+    scope = anyio.CancelScope()
+
+    async def call() -> None:
+        with scope:
+            await (robot.force.fc_stop() if name == "fc_stop" else robot.settings.simulation(True))
+
     async with anyio.create_task_group() as tasks:
-        if name == "fc_stop":
-            tasks.start_soon(robot.force.fc_stop)
-        else:
-            tasks.start_soon(robot.settings.simulation, True)
+        tasks.start_soon(call)
         await eventually_async(lambda: bool(desk.received(name)))
+        if cancelled:
+            scope.cancel()
         tasks.start_soon(robot.motion.movej2(HOME, 1.0, 1.0).start)
         for _ in range(3):
             await robot.state.get_tcp_pose()
