@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -69,10 +69,7 @@ class StraightLine:
         end: last pose. Shape (4, 4).
         turn: rotation vector from the first to the last orientation, in the first [rad]. (3,)
         length: metres, or radians if it only turns.
-        detail: infinite, as it has no bends.
     """
-
-    detail: ClassVar[float] = math.inf
 
     start: Array
     end: Array
@@ -92,6 +89,11 @@ class StraightLine:
         """Angle between the first and the last orientation [rad]."""
         return float(np.linalg.norm(self.turn))
 
+    @property
+    def detail(self) -> float:
+        """Infinite: it has no bends."""
+        return math.inf
+
     def poses(self, s: Array) -> Array:
         """Give the poses at distances s. Shape (n,) to (n, 4, 4)."""
         part = (s / self.length)[:, None]
@@ -110,10 +112,7 @@ class Arc:
         angle: angle from the first pose to the last [rad].
         radius: radius of the circle [m].
         turn: rotation vector by which the orientation turns, in the base [rad]. Shape (3,).
-        detail: infinite, as its length and `turning` determine how it bends.
     """
-
-    detail: ClassVar[float] = math.inf
 
     start: Array
     centre: Array
@@ -131,6 +130,11 @@ class Arc:
     def turning(self) -> float:
         """Angle by which the orientation turns [rad]."""
         return float(np.linalg.norm(self.turn))
+
+    @property
+    def detail(self) -> float:
+        """Infinite: its length and `turning` determine how it bends."""
+        return math.inf
 
     def poses(self, s: Array) -> Array:
         """Give the poses at distances s. Shape (n,) to (n, 4, 4)."""
