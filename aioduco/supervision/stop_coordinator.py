@@ -549,8 +549,8 @@ class StopCoordinator:
     async def _come_to_rest(self, name: str, ended: Sequence[Task]) -> None:
         """Wait until the arm stands after `name`; if that had no effect, stop the arm.
 
-        `ended` are the motions that it was to end. Once each was seen at rest, what moves is a later
-        motion, which the program started meanwhile.
+        `ended` are the motions that it was to end. Once each was seen at rest, what moves is a
+        later motion, which the program started meanwhile.
         """
         self.modes.over(name)
         try:
