@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import shutil
 import sys
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +23,7 @@ from aioduco.envelope import Envelope, Zone
 from aioduco.integrations.panel import Panel
 from aioduco.planning import Scene
 from aioduco.sim import Simulator
-from aioduco.sim.console import answer
+from aioduco.sim.console import Console
 from aioduco.sim.scene import Box, Table
 from aioduco.sim.server.line_server import LineServer
 
@@ -139,7 +138,7 @@ def main() -> int:
     if folder is not None:
         folder.mkdir(parents=True, exist_ok=True)
     with Simulator(joints=HOME, scene=AROUND) as sim:
-        lines = LineServer(partial(answer, sim), 0)
+        lines = LineServer(Console(sim).answer, 0)
         try:
             anyio.run(drawn, sim, lines, folder)
         finally:

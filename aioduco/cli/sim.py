@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import sys
-from functools import partial
 from pathlib import Path  # noqa: TC003 - typer reads the annotations
 from typing import TYPE_CHECKING, Annotated, cast
 
@@ -98,7 +97,7 @@ def sim(
         raise typer.BadParameter(f"its name must end in {' or '.join(picture.KINDS)}")
     require_writable("--render", render)
     from aioduco.sim import Simulator  # noqa: PLC0415 - MuJoCo is for this command alone
-    from aioduco.sim.console import answer  # noqa: PLC0415 - as above
+    from aioduco.sim.console import Console  # noqa: PLC0415 - as above
     from aioduco.sim.server.line_server import LineServer  # noqa: PLC0415 - as above
     from aioduco.sim.spawned import SWITCH_INTERVAL  # noqa: PLC0415 - as above
 
@@ -132,7 +131,7 @@ def sim(
             stack.enter_context(contextlib.closing(simulator))
             commands = control_port_of(port) if control_port is None else control_port
             try:
-                lines = LineServer(partial(answer, simulator), commands)
+                lines = LineServer(Console(simulator).answer, commands)
             except OSError as error:
                 cannot_listen(f"127.0.0.1:{commands} for commands", error)
             stack.enter_context(contextlib.closing(lines))

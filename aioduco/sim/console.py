@@ -24,22 +24,32 @@ class _Misuse(Exception):
     """The words after a command make no sense."""
 
 
-def answer(simulator: Simulator, line: str) -> str:
-    """Carry out a line such as "input 3 on" on a running simulator, and give the answer, which
-    begins with "error" if the command failed.
+class Console:
+    """Carries out commands on a simulator.
+
+    Args:
+        simulator: a running one.
     """
-    name, *words = line.split() or ["help"]
-    command = COMMANDS.get(name)
-    if command is None:
-        near = did_you_mean(name, COMMANDS)
-        return f"error: there is no command {name!r}; there are {', '.join(COMMANDS)}{near}"
-    try:
-        said = command.run(simulator, words)
-    except _Misuse as exc:
-        return f"error: {exc}; usage: {command.usage}"
-    except (ValueError, IndexError, RuntimeError) as exc:
-        return f"error: {exc}"
-    return said or "ok"
+
+    def __init__(self, simulator: Simulator) -> None:
+        self._simulator = simulator
+
+    def answer(self, line: str) -> str:
+        """Carry out a line such as "input 3 on" and give the answer, which begins with "error" if
+        the command failed.
+        """
+        name, *words = line.split() or ["help"]
+        command = COMMANDS.get(name)
+        if command is None:
+            near = did_you_mean(name, COMMANDS)
+            return f"error: there is no command {name!r}; there are {', '.join(COMMANDS)}{near}"
+        try:
+            said = command.run(self._simulator, words)
+        except _Misuse as exc:
+            return f"error: {exc}; usage: {command.usage}"
+        except (ValueError, IndexError, RuntimeError) as exc:
+            return f"error: {exc}"
+        return said or "ok"
 
 
 def _numbers(words: list[str], *counts: int) -> list[float]:
@@ -259,4 +269,4 @@ COMMANDS: dict[str, _Command] = {
         _Command("help", "tell these commands", _help),
     )
 }
-"""The commands of `answer`, by name."""
+"""The commands of `Console`, by name."""

@@ -19,7 +19,6 @@ import sys
 import sysconfig
 import types
 from collections.abc import Iterator
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -31,7 +30,7 @@ from patient import patient_queue
 import aioduco
 import aioduco.sync
 from aioduco.sim import Simulator
-from aioduco.sim.console import answer
+from aioduco.sim.console import Console
 from aioduco.sim.server.line_server import LineServer
 from aioduco.testing import eventually
 from pages.blocks import PYTHON, ROOT, SHELL, Block, Page, pages
@@ -233,7 +232,7 @@ def test_a_block_of_commands_runs(block: Block, tmp_path: Path) -> None:
     with (
         session(tmp_path) as (there, host),
         Simulator(host=host, port=7003, speed=3) as sim,
-        contextlib.closing(LineServer(partial(answer, sim), 0)) as lines,
+        contextlib.closing(LineServer(Console(sim).answer, 0)) as lines,
     ):
         there.replace({"aioduco sim-do": f"aioduco sim-do --control-port {lines.port}"})
         for command in commands(block.after, "sh"):

@@ -7,7 +7,6 @@ import math
 import socket
 from collections.abc import Callable
 from contextlib import closing
-from functools import partial
 from itertools import product
 
 import numpy as np
@@ -17,7 +16,7 @@ from for_each import for_each
 from aioduco.kinematics import arm
 from aioduco.models.enums import OperationMode, TaskState
 from aioduco.sim.cabinet.signals import Signals
-from aioduco.sim.console import COMMANDS, answer
+from aioduco.sim.console import COMMANDS, Console
 from aioduco.sim.controller.signal_rules import SignalRule, SignalRules
 from aioduco.sim.physics.world import World
 from aioduco.sim.planner.path import JointSetPoint
@@ -108,7 +107,7 @@ def test_a_rule_goes_before_the_gripper_that_is_wired_to_the_input(connect: Conn
 
 
 def test_commands_do_what_they_say(sim: Simulator, robot: Program) -> None:
-    say = partial(answer, sim)
+    say = Console(sim).answer
     assert [say("input 3 on"), say("input tool 1 on"), say("voltage 2 7.5")] == ["ok"] * 3
     assert robot.get_standard_digital_in(3)
     assert robot.get_tool_digital_in(1)
@@ -162,9 +161,9 @@ def test_commands_do_what_they_say(sim: Simulator, robot: Program) -> None:
     ],
 )
 def test_a_command_that_makes_no_sense_says_so(cell: Simulator, line: str, said: str) -> None:
-    answered = answer(cell, line)
-    assert answered.startswith("error: ")
-    assert said in answered
+    answer = Console(cell).answer(line)
+    assert answer.startswith("error: ")
+    assert said in answer
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])

@@ -11,7 +11,7 @@ from aioduco.errors import ParameterError
 from aioduco.kinematics import arm
 from aioduco.models.gripper_models import gripper_model
 from aioduco.sim import Simulator
-from aioduco.sim.console import answer
+from aioduco.sim.console import Console
 from aioduco.sim.physics.gripper import Hand
 from aioduco.sim.physics.parts import PartPlace
 from aioduco.sim.physics.world import World
@@ -181,17 +181,20 @@ def test_a_worn_tool_is_shorter(cell: Cell) -> None:
 def test_a_simulator_does_what_a_person_says() -> None:
     part = Box(at=(0.5, 0.1, 0.1), size=(0.04, 0.04, 0.06), mass=0.3, name="part")
     with Simulator(gripper="robotiq_2f85", scene=[part], speed=np.inf) as sim:
-        assert answer(sim, "parts") == "part"
+        console = Console(sim)
+        assert console.answer("parts") == "part"
         sim.wait_until(lambda: sim.where("part").touches == ("the floor",))
-        assert answer(sim, "put part 0.4 0.2 0.05") == "ok"
+        assert console.answer("put part 0.4 0.2 0.05") == "ok"
         sim.wait_until(lambda: abs(sim.where("part").pose.x - 0.4) < 1e-3)
-        assert "not held; touches" in answer(sim, "where part")
-        assert answer(sim, "remove part") == "ok"
+        assert "not held; touches" in console.answer("where part")
+        assert console.answer("remove part") == "ok"
         sim.wait_until(lambda: sim.where("part").pose.x > 999.0)
-        assert answer(sim, "drop-part") == "error: the gripper holds nothing: nothing was dropped"
-        assert answer(sim, "drop-part 0.5") == "ok"
+        assert (
+            console.answer("drop-part") == "error: the gripper holds nothing: nothing was dropped"
+        )
+        assert console.answer("drop-part 0.5") == "ok"
         for line in ("grip 0.5", "mass part 2", "wear 0.01"):
-            assert answer(sim, line) == "ok"
+            assert console.answer(line) == "ok"
         for line in (
             "grip 2",
             "mass part 0",
@@ -200,7 +203,7 @@ def test_a_simulator_does_what_a_person_says() -> None:
             "stick part part",
             "put part 1",
         ):
-            assert answer(sim, line).startswith("error"), line
+            assert console.answer(line).startswith("error"), line
     with Simulator() as bare:
         for line in ("drop-part", "grip 1", "wear 0.001"):
-            assert "there is no" in answer(bare, line)
+            assert "there is no" in Console(bare).answer(line)

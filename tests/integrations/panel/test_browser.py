@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shutil
 from contextlib import asynccontextmanager
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -14,7 +13,7 @@ from test_cli_robot import HOME
 import aioduco
 from aioduco.integrations.panel import Panel
 from aioduco.sim import Simulator
-from aioduco.sim.console import answer
+from aioduco.sim.console import Console
 from aioduco.sim.server.line_server import LineServer
 from aioduco.testing import eventually_async
 
@@ -414,7 +413,7 @@ async def test_the_simulator_is_pushed_and_faulted_and_led_out_of_it(
     chromium: BrowserContext,
 ) -> None:
     with Simulator(joints=HOME) as sim:
-        with_lines = LineServer(partial(answer, sim), 0)
+        with_lines = LineServer(Console(sim).answer, 0)
         try:
             async with Panel(
                 sim.host, sim.port, simulator_port=with_lines.port, clock=sim.clock, **PATIENT
