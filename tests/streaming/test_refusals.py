@@ -84,6 +84,15 @@ def test_a_wrong_argument_is_refused(section: str, name: str, parameter: str) ->
         assert str(raised.value).endswith("nothing was sent")
 
 
+@pytest.mark.parametrize("shared", [False, True])
+def test_a_block_is_released_while_another_thread_has_a_view_of_it(shared: bool) -> None:
+    """As the watchdog of a slow event loop has the variables of the line that it tells."""
+    block = Block.make(NOBODY.servo.joints(v=1.0, a=5.0)._session._config, shared=shared)
+    kept = block.status[:1]
+    block.close()
+    assert kept[0] == 0
+
+
 def test_what_a_stopping_controller_refuses_ends_by_the_stop() -> None:
     """A set-point may be on its way when the robot is stopped."""
     reasons = []

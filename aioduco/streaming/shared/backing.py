@@ -36,9 +36,9 @@ class MemoryFile:
             raise
         return cls(descriptor)
 
-    def map(self) -> mmap.mmap:
+    def map(self) -> memoryview:
         """Map all of it."""
-        return mmap.mmap(self.handle, os.fstat(self.handle).st_size)
+        return memoryview(mmap.mmap(self.handle, os.fstat(self.handle).st_size))
 
     def close_descriptor(self) -> None:
         """Close the descriptor: the other process has its own. The mapping stays."""

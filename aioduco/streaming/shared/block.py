@@ -66,12 +66,11 @@ class Block:
 
     def __init__(
         self,
-        memory: mmap.mmap | memoryview,
+        memory: memoryview,
         text: bytes = b"",
         backing: MemoryFile | NamedMemory | None = None,
     ) -> None:
         self._memory = memory
-        self._view = memoryview(memory)
         self._backing = backing
         if text:
             _HEADER.pack_into(memory, 0, _MAGIC, len(text))
@@ -84,7 +83,7 @@ class Block:
         )
         head, *sizes = _sizes(self.config, length)
         ends = itertools.accumulate(sizes, initial=head)
-        parts = [self._view[begin:end] for begin, end in itertools.pairwise(ends)]
+        parts = [memory[begin:end] for begin, end in itertools.pairwise(ends)]
         control, status, self._text, report, ring, *histograms = parts
         self.control: memoryview[int] = control.cast("Q")
         self.status: memoryview[int] = status.cast("Q")
@@ -106,7 +105,7 @@ class Block:
         text = config.pack()
         size = sum(_sizes(config, len(text)))
         if not shared:
-            return cls(mmap.mmap(-1, size), text)
+            return cls(memoryview(mmap.mmap(-1, size)), text)
         backing = MemoryFile.make(size) if has_memory_files() else NamedMemory.make(size)
         try:
             return cls(backing.map(), text, backing)
@@ -146,17 +145,17 @@ class Block:
             self._backing.close_descriptor()
 
     def close(self) -> None:
-        """Release the memory and its system resources."""
+        """Release the memory and its system resources.
+
+        The memory is freed with its last view: another thread may have one for a moment, as that
+        which tells the line that blocks the event loop has the variables of that line.
+        """
         self.close_descriptor()
         for histogram in self.histograms.values():
             histogram.close()
         self.ring.close()
         self.report.close()
-        for view in (self.control, self.status, self._text, self._view):
+        for view in (self.control, self.status, self._text, self._memory):
             view.release()
-        if isinstance(self._memory, memoryview):
-            self._memory.release()
-        else:
-            self._memory.close()
         if self._backing is not None:
             self._backing.close()
