@@ -100,12 +100,13 @@ class Dispatcher:
     async def note_rest(self) -> None:
         """Note whenever the arm stands and nothing that the program started still runs.
 
-        Before that, modes are ended that should be off: `robot.stop_now()` cannot wait for that.
+        Before that, modes are ended that should be off: `robot.stop_now()` cannot wait for that. A
+        stop that waits ends them itself, once it was accepted.
         """
         coordinator = self._coordinator
         while True:
             await self._look.wait()
-            if not coordinator.streams:  # their workers end their own
+            if not coordinator.streams and not self._gate.stopping:  # workers end their own
                 await coordinator.modes.leave_due()
             # No await between the last check for commands on their way, and `at_rest`.
             if not coordinator.liveness.moves or coordinator.busy:

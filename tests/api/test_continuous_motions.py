@@ -325,6 +325,23 @@ async def test_hand_guiding_never_stays_on(desk: Desk, way: str) -> None:
     assert desk.commands.index("stop") < desk.commands.index("end_teach_mode")
 
 
+async def test_hand_guiding_is_ended_once_the_stop_was_accepted(
+    robot: aioduco.Robot, desk: Desk
+) -> None:
+    """Now and then a keep-alive ended it before."""
+    await guiding(robot).start()
+    let = desk.hold("stop", desk._answers["stop"])
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(robot.stop)
+        await eventually_async(lambda: desk.received("stop"))
+        robot._supervisor.dispatcher.look()
+        for _ in range(3):
+            await robot.state.get_tcp_pose()
+        assert desk.received("end_teach_mode") == ()
+        let.set()
+    assert not desk.going_on
+
+
 async def test_that_hand_guiding_was_not_ended_is_said_in_words(
     desk: Desk, caplog: pytest.LogCaptureFixture
 ) -> None:
