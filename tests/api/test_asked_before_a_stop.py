@@ -287,7 +287,7 @@ class _Plan:
     ) -> aioduco.TrajectoryResult | None:
         await read_joints()
         found: aioduco.TrajectoryResult = await CALLED["follow_joint_trajectory"](
-            SimpleNamespace(motion=motion)  # type: ignore[arg-type]
+            SimpleNamespace(motion=motion)  # type: ignore[arg-type]  # all that it asks of a robot
         )
         return found
 
