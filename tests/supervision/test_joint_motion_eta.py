@@ -16,13 +16,15 @@ from aioduco.supervision.task_state import JointEta
 from aioduco.testing import eventually_async
 
 START = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5)
-ETA = JointEta((1.0, 0.1, -0.8, 0.3, 0.4, 0.5), v=0.5, a=1.0)
+ETA = JointEta((1.0, 0.1, -0.8, 0.3, 0.4, 0.5), v=0.5, a=2.0)
 
 
 def test_the_time_is_that_of_the_joint_with_the_longest_way() -> None:
-    assert ETA.seconds(START) == pytest.approx(1.0 / 0.5 + 0.5 / 1.0)
+    for way in (1.0, 0.2):  # gets to 0.5 rad/s
+        far = (1.0 - way, 0.1, -0.8, 0.3, 0.4, 0.5)
+        assert ETA.seconds(far) == pytest.approx(way / 0.5 + 0.5 / 2.0)
     near = (0.9, *ETA.target[1:])
-    assert ETA.seconds(near) == pytest.approx(2 * (0.1 / 1.0) ** 0.5)  # it never gets to 0.5
+    assert ETA.seconds(near) == pytest.approx(2 * (0.1 / 2.0) ** 0.5)  # it never gets to 0.5
     assert ETA.seconds(ETA.target) == 0.0
     assert JointEta(ETA.target, v=0.5, a=None).seconds(START) is None
 
