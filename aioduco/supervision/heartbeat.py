@@ -63,8 +63,18 @@ class HeartbeatState(Enum):
     """The event loop hung, and beats were withheld: the controller has stopped the arm."""
 
 
+#: beats per heartbeat time: two may be lost before the controller stops the arm
+BEATS_PER_TIME = 3
+#: part of the time between beats after which an unanswered beat is repeated
+_AGAIN = 0.25
+#: seconds after the stall limit at which it is checked whether it has passed
+_LATER = 0.001
+#: heartbeat times without a beat after which the controller has stopped the arm for certain
+_CERTAIN = 2
+
+
 class HeartbeatMachine:
-    """Decides whether a beat may be sent, and keeps the heartbeat's state.
+    """Decides when a beat is due and whether it may be sent, and keeps the heartbeat's state.
 
     Args:
         time: seconds without a beat after which the controller stops the arm.
@@ -72,6 +82,9 @@ class HeartbeatMachine:
         now: the time.
 
     Attributes:
+        every: seconds between two beats.
+        due: when the next beat is due.
+        given: when the last beat was given to the controller at the latest.
         state: the state of the heartbeat.
         beats: beats that were answered.
         missed: beats that were not answered.
@@ -86,6 +99,9 @@ class HeartbeatMachine:
         self._time = time
         self._stall_limit = stall_limit
         self._beaten = now
+        self.every: float = time / BEATS_PER_TIME
+        self.due: float = now
+        self.given: float = -math.inf
         self.state: HeartbeatState = HeartbeatState.STARTING
         self.beats: int = 0
         self.missed: int = 0
@@ -93,6 +109,29 @@ class HeartbeatMachine:
         self.stalls: int = 0
         self.longest_gap: float = 0.0
         self.suspended_at: float = -math.inf
+
+    def wakes_at(self, alive: float) -> float:
+        """Return when to look again: the next beat is due then, or a keep-alive overdue.
+
+        Args:
+            alive: when the event loop last sent a keep-alive.
+        """
+        if self.state is HeartbeatState.STALLED:
+            return self.due
+        return min(self.due, max(alive, self.suspended_at) + self._stall_limit + _LATER)
+
+    def woken(self, now: float, planned: float) -> None:
+        """Note when the sender of the beats has woken up, and when it was to: was it suspended?"""
+        if now - planned > self._time:
+            self.suspended(now)
+
+    def plan_next(self, now: float) -> None:
+        """Note that a beat is sent or withheld: beats whose time has passed are skipped."""
+        self.due = max(self.due + self.every, now)
+
+    def lapsed(self, now: float) -> bool:
+        """Whether no beat was given for so long that the controller has stopped the arm."""
+        return self.beats > 0 and now - self.given > _CERTAIN * self._time
 
     def may_beat(self, now: float, alive: float) -> bool:
         """Whether a beat may be sent now.
@@ -124,8 +163,9 @@ class HeartbeatMachine:
             self.state = HeartbeatState.BEATING
 
     def missed_beat(self, now: float) -> None:
-        """Note that a beat was not answered."""
+        """Note that a beat was not answered: it is repeated soon."""
         self.missed += 1
+        self.due = min(self.due, now + self.every * _AGAIN)
         self._note_loss(now)
 
     def _note_loss(self, now: float) -> None:
@@ -137,16 +177,6 @@ class HeartbeatMachine:
         """Resume after a stall, on request of the program."""
         if self.state is HeartbeatState.STALLED:
             self.state = HeartbeatState.STARTING
-
-
-#: beats per heartbeat time: two may be lost before the controller stops the arm
-BEATS_PER_TIME = 3
-#: part of the time between beats after which an unanswered beat is repeated
-_AGAIN = 0.25
-#: seconds after the stall limit at which the thread checks whether it has passed
-_LATER = 0.001
-#: heartbeat times without a beat after which the controller has stopped the arm for certain
-_CERTAIN = 2
 
 
 class HeartbeatStatistics(NamedTuple):
@@ -195,11 +225,8 @@ class Heartbeat:
         self._own = own
         self._seconds = seconds
         self._liveness = liveness
-        self._stall_limit = stall_limit
         self._changed = changed
         self._remote = remote
-        #: when the last beat was given to the controller at the latest
-        self._given = 0.0
         #: when the last beat that was answered was sent [s of `boot_time`]; 0 before
         self.sent: float = 0.0
         self._machine = HeartbeatMachine(seconds, stall_limit, boot_time())
@@ -230,8 +257,7 @@ class Heartbeat:
 
         Any movement of the arm after that is a new motion, not one from before.
         """
-        silent = boot_time() - self._given
-        return self._machine.beats > 0 and silent > _CERTAIN * self._seconds
+        return self._machine.lapsed(boot_time())
 
     def start(self) -> None:
         """Start to send beats."""
@@ -257,60 +283,47 @@ class Heartbeat:
         return not self._thread.is_alive()
 
     def _run(self) -> None:
-        every = self._seconds / BEATS_PER_TIME
-        due = boot_time()
+        machine = self._machine
         try:
             while True:
-                planned = self._wake(due)
+                planned = machine.wakes_at(self._liveness.stamp)
                 nudged = self._nudge.wait(max(0.0, planned - boot_time()))
                 if self._ended:
                     return
-                now = boot_time()
-                before = self._machine.state
-                if self._remote and now - planned > self._seconds:
-                    self._machine.suspended(now)
-                may = self._machine.may_beat(now, self._liveness.stamp)
-                if (
-                    self._machine.state is HeartbeatState.STALLED
-                    and before is not self._machine.state
-                ):
+                now, before = boot_time(), machine.state
+                if self._remote:
+                    machine.woken(now, planned)
+                may = machine.may_beat(now, self._liveness.stamp)
+                if machine.state is HeartbeatState.STALLED and before is not machine.state:
                     # Before the stop: a program that sees the arm stand must know why, and sends
                     # no further motion.
                     self._changed(self)
-                    self._stop_stalled(every)
-                elif not nudged and now < due:
+                    self._stop_stalled()
+                elif not nudged and now < machine.due:
                     continue
                 else:
-                    # An absolute schedule; beats whose time has passed are skipped.
-                    due = max(due + every, now)
-                    if may and not self._beat(every):
-                        due = min(due, boot_time() + every * _AGAIN)
-                if self._machine.state is not before:
+                    machine.plan_next(now)
+                    if may:
+                        self._beat()
+                if machine.state is not before:
                     self._report(before)
                 self._changed(self)
         finally:
             self._own.close()
 
-    def _wake(self, due: float) -> float:
-        """Return when to wake up: for the next beat, or because a keep-alive is overdue."""
-        if self._machine.state is HeartbeatState.STALLED:
-            return due
-        since = max(self._liveness.stamp, self._machine.suspended_at)
-        return min(due, since + self._stall_limit + _LATER)
-
-    def _stop_stalled(self, deadline: float) -> None:
+    def _stop_stalled(self) -> None:
         """Stop the arm at once if the event loop hangs; the missing beats would stop it later."""
         if not self._liveness.moves or self.lapsed:
             return
         try:
-            self._own.call("stop", (False,), deadline)
+            self._own.call("stop", (False,), self._machine.every)
         except DucoError as exc:
             self._own.close()
             self.error = exc
             _log.error("the event loop hangs, and the arm could not be stopped at once: %s", exc)
 
-    def _beat(self, deadline: float) -> bool:
-        until = time.monotonic() + deadline
+    def _beat(self) -> None:
+        until = time.monotonic() + self._machine.every
         try:
             line = self._own.ready(until)
             left = max(until - time.monotonic(), 0.001)
@@ -318,7 +331,7 @@ class Heartbeat:
             try:
                 line.call("rpc_heartbeat", (round(self._seconds * 1000),), left)
             finally:
-                self._given = boot_time()
+                self._machine.given = boot_time()
         except DucoError as exc:
             self._own.close()
             self.error = exc
@@ -329,7 +342,6 @@ class Heartbeat:
             self.error = None
             self.sent = sent
             self._machine.beaten(boot_time())
-        return self.error is None
 
     def _report(self, before: HeartbeatState) -> None:
         match self._machine.state:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
+
 import hypothesis.strategies as st
+import pytest
 from hypothesis import given
 
 from aioduco.supervision.heartbeat import HeartbeatMachine, HeartbeatState
@@ -63,6 +66,57 @@ def test_rearming_what_is_not_stalled_does_nothing() -> None:
     heart.beaten(0.0)
     heart.rearm()
     assert state(heart) is HeartbeatState.BEATING
+
+
+def test_beats_are_due_on_an_absolute_schedule() -> None:
+    heart = HeartbeatMachine(time=0.9, stall_limit=60.0, now=10.0)
+    woken, sent = 10.0, []
+    for late in (0.0, 0.1, 0.0, 0.7, 0.0, 0.0):
+        woken = heart.wakes_at(alive=woken) + late
+        sent.append(woken)
+        heart.plan_next(woken)
+        heart.beaten(woken)
+    # The one that was late by 0.7 s is followed by one at once, and not by two.
+    assert sent == pytest.approx([10.0, 10.4, 10.6, 11.6, 11.6, 11.9])
+
+
+def test_a_beat_without_an_answer_is_repeated_before_the_next_is_due() -> None:
+    heart = HeartbeatMachine(time=1.2, stall_limit=60.0, now=10.0)
+    heart.plan_next(10.0)
+    heart.missed_beat(10.1)
+    assert heart.wakes_at(alive=10.0) == pytest.approx(10.2)
+    heart.missed_beat(10.19)  # a quarter later would be after the next one
+    assert heart.wakes_at(alive=10.0) == pytest.approx(10.2)
+
+
+def test_an_overdue_keep_alive_is_noticed_between_two_beats() -> None:
+    heart = HeartbeatMachine(time=30.0, stall_limit=2.0, now=100.0)
+    heart.plan_next(100.0)
+    heart.beaten(100.0)
+    heart.suspended(100.5)
+    woken = heart.wakes_at(alive=100.3)
+    assert woken == pytest.approx(102.5, abs=0.01)
+    assert not heart.may_beat(woken, alive=100.3)
+    assert state(heart) is HeartbeatState.STALLED
+    assert heart.wakes_at(alive=100.3) == 110.0  # nothing more to notice
+
+
+@pytest.mark.parametrize(("late", "suspended"), [(0.99, False), (1.01, True)])
+def test_who_wakes_up_late_by_the_heartbeat_time_was_suspended(
+    late: float, suspended: bool
+) -> None:
+    heart = pulse()
+    heart.woken(50.0 + late, planned=50.0)
+    assert heart.suspended_at == (50.0 + late if suspended else -math.inf)
+
+
+def test_the_controller_has_stopped_the_arm_when_no_beat_was_given_for_twice_its_time() -> None:
+    heart = HeartbeatMachine(time=3.0, stall_limit=60.0, now=10.0)
+    assert not heart.lapsed(1000.0)  # it knows of no heartbeat yet
+    heart.given = 10.0
+    heart.beaten(10.1)
+    assert not heart.lapsed(16.0)
+    assert heart.lapsed(16.01)
 
 
 @given(st.lists(st.tuples(st.floats(0, 3), st.booleans(), st.floats(0, 2)), max_size=50))
