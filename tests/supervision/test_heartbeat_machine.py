@@ -113,10 +113,11 @@ def test_who_wakes_up_late_by_the_heartbeat_time_was_suspended(
 def test_the_controller_has_stopped_the_arm_when_no_beat_was_given_for_twice_its_time() -> None:
     heart = HeartbeatMachine(time=3.0, stall_limit=60.0, now=10.0)
     assert not heart.lapsed(1000.0)  # it knows of no heartbeat yet
-    heart.given = 10.0
-    heart.beaten(10.1)
-    assert not heart.lapsed(16.0)
-    assert heart.lapsed(16.01)
+    heart.given = 12.0
+    heart.beaten(12.1)
+    assert not heart.lapsed(18.0)
+    assert heart.lapsed(18.01)
+    assert heart.lapsed(24.1)
 
 
 @given(st.lists(st.tuples(st.floats(0, 3), st.booleans(), st.floats(0, 2)), max_size=50))
