@@ -116,8 +116,10 @@ class Frames(Section):
         Manual section 1.3.7.
         """
         wobj_, active_ = ranges.POSE("wobj", wobj), ranges.FLAG("active", active)
+        # the oldest controllers do not know `active`, and apply any offset
+        sent = wobj_ if active_ else [0.0] * 6
         with self._supervisor.envelope.redefining():
-            await self._accept(calls.set_wobj_offset(wobj_, active_))
+            await self._accept(calls.set_wobj_offset(sent, active_))
 
     async def get_tcp_offset(self) -> Pose:
         """Read the pose of the tool in use in the flange's frame (工具的偏移量) [m, rad].

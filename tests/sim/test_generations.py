@@ -65,6 +65,14 @@ async def test_each_is_driven_by_the_same_program(robot: tuple[Robot, Simulator]
     assert (torques is not None) is (sim.generation == "4.3")
 
 
+@at(*GENERATIONS)
+async def test_a_shift_of_the_work_object_begins_and_ends(robot: tuple[Robot, Simulator]) -> None:
+    shift = aioduco.Pose(0.0, 0.0, 0.1, 0.0, 0.0, 0.0)
+    for active, there in ((True, shift), (False, aioduco.Pose(*[0.0] * 6))):
+        await robot[0].frames.set_wobj_offset(shift, active)
+        assert (await robot[0].frames.get_wobj()).almost_equal(there)
+
+
 @at("4.3")
 async def test_what_reach_check_found(robot: tuple[Robot, Simulator]) -> None:
     pose = await robot[0].state.get_tcp_pose()

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 #: behaviour of the clients without the field, or the manual's default
 _ABSENT: dict[str, dict[str, Any]] = {
     "fc_move": {"block": True},
+    "set_wobj_offset": {"active": True},
     "servoj": {"kp": 200.0, "kd": 25.0, "smooth_vel": 10.0, "smooth_acc": 1.0},
     "servoj_pose": {"kp": 200.0, "kd": 25.0, "smooth_vel": 10.0, "smooth_acc": 1.0},
     "servo_tcp": {"kp": 200.0, "kd": 25.0, "smooth_vel": 10.0, "smooth_acc": 1.0},
