@@ -89,10 +89,11 @@ no effect there.
 
 OLDER_REST = """
 `combine_motion_config` and `set_hand_teach_parameter` have parameters of another type there, which
-such a controller ignores and takes for zero: do not call them on it. The oldest does not know
-`Op.on_stop`: **an output that a stop is to switch is not switched**. In the oldest,
-`getRobotIOStatus` has fewer lists, under other field numbers. An answer that does not fit the
-present numbers is read by those; the lists that are missing are empty."""
+such a controller ignores and takes for zero: do not call them on it. `fc_move` blocks there: call
+`robot.blocking.fc_move`, since `robot.force.fc_move` is stopped as one that is not answered. The
+oldest does not know `Op.on_stop`: **an output that a stop is to switch is not switched**. In the
+oldest, `getRobotIOStatus` has fewer lists, under other field numbers. An answer that does not fit
+the present numbers is read by those; the lists that are missing are empty."""
 
 NEWER = """
 ## Manual 4.3
@@ -149,7 +150,7 @@ def older() -> list[str]:
         for name, fields in one["methods"].items():
             places = {tuple(place) for place in fields}
             missing = [place[2] for place in wire[name]["args"] if tuple(place) not in places]
-            unknown.setdefault(name, {})[generation] = [one for one in missing if one != "block"]
+            unknown.setdefault(name, {})[generation] = missing
     rows = []
     for name in sorted(unknown):
         both = unknown[name].get("older", [])

@@ -129,7 +129,8 @@ class Force(Section):
         """Move by force control alone (仅基于末端力控产生的补偿运动).
 
         It ends by itself only if a condition (`fc_wait_logic`) comes to hold.
-        Cancelling its await stops the arm.
+        Cancelling its await stops the arm. On older controllers, whose fc_move always blocks, it
+        is stopped as one that is not answered: there, call `robot.blocking.fc_move`.
 
         Returns:
             The motion, not sent yet.

@@ -9,7 +9,15 @@ import numpy as np
 import pytest
 
 import aioduco
-from aioduco import ControllerError, Jog, JogDirections, ParameterError, Robot, UnknownFunction
+from aioduco import (
+    ControllerError,
+    Jog,
+    JogDirections,
+    ParameterError,
+    Robot,
+    TaskState,
+    UnknownFunction,
+)
 from aioduco._wire import newer
 from aioduco.compat import DucoCobot
 from aioduco.sim import Simulator
@@ -71,6 +79,15 @@ async def test_a_shift_of_the_work_object_begins_and_ends(robot: tuple[Robot, Si
     for active, there in ((True, shift), (False, aioduco.Pose(*[0.0] * 6))):
         await robot[0].frames.set_wobj_offset(shift, active)
         assert (await robot[0].frames.get_wobj()).almost_equal(there)
+
+
+@at("older", "oldest", "first")
+async def test_fc_move_of_older_controllers_blocks(robot: tuple[Robot, Simulator]) -> None:
+    force = robot[0].force
+    await force.fc_start()
+    await force.fc_wait_pos([0.0] * 6, [1.0] * 6, absolute=False, duration=0.0, timeout=10.0)
+    await force.fc_wait_logic((1, 0, 0))
+    assert await robot[0].blocking.fc_move() is TaskState.FINISHED
 
 
 @at("4.3")
