@@ -3961,8 +3961,9 @@ class Realtime(_Section):
 class State(_Section):
     """State of the arm and of the controller (manual 1.3.7, 1.3.8).
 
-    Every function only reads. Vectors are read-only arrays of shape (6,). Right after its start a
-    controller has no values yet: then the functions raise `StaleState`.
+    Every function only reads. Vectors are read-only arrays of shape (6,). A number that the
+    controller does not send is NaN in them, as a force without a sensor, or any right after its
+    start; functions for joints, poses and states raise `StaleState` then.
     """
 
     __slots__ = ()
