@@ -227,6 +227,15 @@ async def test_a_refused_set_point_ends_the_stream_and_stops_the_robot(
     assert controller.names()[-1] == "stop"
 
 
+async def test_a_first_set_point_without_a_result_stops_the_robot(controller: Controller) -> None:
+    controller.server.answer("servoj", None)
+    options = WorkerOptions(run_in="thread")
+    stream = controller.servo.joints(v=1.0, a=5.0, options=options)
+    with pytest.raises(StreamRefused, match="without a result"):
+        await fed(stream, at(20, lambda: None))
+    assert controller.names()[-1] == "stop"
+
+
 @pytest.mark.parametrize(
     ("function", "answer", "error", "stops"),
     [

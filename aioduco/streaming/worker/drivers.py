@@ -7,6 +7,7 @@ from collections import deque
 from typing import TYPE_CHECKING, Any
 
 from aioduco._wire import codec, idl
+from aioduco.errors import ControllerError
 from aioduco.streaming.shared.words import Reason, StatusWord, StreamState
 from aioduco.streaming.worker.driver import Driver
 from aioduco.streaming.worker.encoding import Point
@@ -62,7 +63,11 @@ class CallDriver(Driver):
             values = feed.wire(values)
             start = time.monotonic_ns()
             ahead = hurry and not feed.reads
-            self.task: int = self._point.send(values, self._look_ahead if ahead else None)
+            try:
+                self.task: int = self._point.send(values, self._look_ahead if ahead else None)
+            except ControllerError:  # it was sent, and the arm may follow it
+                self._sent += 1
+                raise
             self._round_trip(time.monotonic_ns() - start)
             self._sent += 1
             if self.task < 0:
