@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Self, TypeAlias
 
 from aioduco._process import trial
 from aioduco._process.copying import Frozen
+from aioduco.errors import StaleState
 from aioduco.models.enums import SafetyState
 from aioduco.models.numpy_on_use import np
 
@@ -300,6 +301,7 @@ class IOStatus(_Late):
 
         Raises:
             ParameterError: there is no such input.
+            StaleState: the controller sent none of them.
         """
         return _numbered(num, self.digital_inputs)
 
@@ -320,6 +322,10 @@ def _numbered(num: int, signals: tuple[bool, ...]) -> bool:
     """Return the signal with this number on the controller, where numbers begin with 1."""
     from aioduco.models.rules import Integer  # noqa: PLC0415 - a stop from a shell needs none
 
+    if not signals:
+        raise StaleState(
+            "the controller sent none of these signals: it is still starting; ask again"
+        )
     return signals[Integer(1, len(signals), source="1.3.7")("num", num) - 1]
 
 

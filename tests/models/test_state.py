@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from aioduco._wire import rpc
-from aioduco.errors import ParameterError
+from aioduco.errors import ParameterError, StaleState
 from aioduco.models.samples import Samples
 from aioduco.models.state import IOStatus, standing
 
@@ -33,6 +33,8 @@ def test_signals_have_the_controllers_numbers() -> None:
             sample.input(num)
     with pytest.raises(ParameterError, match="from 1 to 2"):
         sample.tool_output(3)
+    with pytest.raises(StaleState, match="sent none"):
+        Samples().io(rpc.IOStatus).input(1)
 
 
 def test_signals_are_read_when_the_first_of_them_is_used() -> None:
