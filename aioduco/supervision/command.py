@@ -174,8 +174,8 @@ class HeldMotion(MotionCommand):
     - `task = await motion.start()` returns as soon as the controller has accepted it;
       `await task.end()` ends it.
 
-    It has ended when the arm stands. If it continues for two seconds after its time, the arm is
-    stopped.
+    It has ended when the arm stands. If it continues for two seconds after its time, or is paused
+    when it is to be ended, the arm is stopped.
     """
 
     __slots__ = ()

@@ -510,41 +510,40 @@ class StopCoordinator:
     ) -> None:
         """End a continuous motion by its own function, and wait until the arm stands.
 
-        If this program's motion, or its mode, cannot be ended this way, or if this is cancelled,
-        the arm is stopped.
+        If this program's motion, or its mode, is paused or cannot be ended this way, or if this is
+        cancelled, the arm is stopped.
 
         Args:
             name: the function of the wire.
             step: calls the function; None if it answers with the id of a task.
             answered: called when the function was answered, or has failed, before the arm stands.
+
+        Raises:
+            TaskStopped: it is paused: its program's next motion would move the arm.
         """
         if name == "stop":
             step = self.halt
         tasks = self.follower.tasks
         continuous = [each for each in tasks if each.continuous and each.continuous.ending == name]
-        for task in continuous:
-            task.life.end_sent()
         of_mode = name in self.modes
-        concerned = bool(continuous) or of_mode
         try:
             try:
+                await self.follower.require_unpaused(name, continuous)
+                for task in continuous:
+                    task.life.end_sent()
                 await (step() if step is not None else self._controlled(name))
             finally:
                 if answered is not None:
                     answered()
             await self._come_to_rest(name, () if of_mode else continuous)
+            with anyio.move_on_after(END_LIMIT):
+                for task in continuous:
+                    await task.wait()
+            await self.follower.require_unpaused(name, continuous)
         except BaseException:
-            if concerned:
+            if continuous or of_mode:
                 await self._halt_and_see()
             raise
-        with anyio.move_on_after(END_LIMIT):
-            for task in continuous:
-                await task.wait()
-        paused = any(task.state is TaskState.PAUSED and not task.done for task in continuous)
-        early = not of_mode and any(task.life.continues_after_task for task in continuous)
-        if paused or (early and await self.paused()):
-            _log.warning("%s had no effect on what is paused, so the arm is stopped", name)
-            await self._halt_and_see()
 
     async def _come_to_rest(self, name: str, ended: Sequence[Task]) -> None:
         """Wait until the arm stands after `name`; if that had no effect, stop the arm.

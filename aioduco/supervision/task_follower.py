@@ -38,7 +38,7 @@ from typing import TYPE_CHECKING, Any
 import anyio
 
 from aioduco._process.reporting import BackgroundLogger
-from aioduco.errors import ControllerError, DucoError, StopUnconfirmed, TaskUnknown
+from aioduco.errors import ControllerError, DucoError, StopUnconfirmed, TaskStopped, TaskUnknown
 from aioduco.models.enums import Outcome, TaskState
 from aioduco.models.trace import tell
 from aioduco.supervision.concurrency import GRID, Alarm, BackgroundTasks, on_grid, run_to_completion
@@ -297,6 +297,26 @@ class TaskFollower:
         if last.done:
             last.result()
 
+    async def require_unpaused(self, ending: str, motions: Sequence[Task]) -> None:
+        """Check that none of the motions that a function ends is paused.
+
+        Args:
+            ending: the function of the wire.
+            motions: the motions.
+
+        Raises:
+            TaskStopped: one is, and must be stopped: once it is over, the program goes on.
+        """
+        for task in motions:
+            if task.done:
+                continue
+            if task.life.continues_after_task:
+                paused = await self._arm.paused()
+            else:
+                paused = TaskState.PAUSED is task.state is await self._state(task.id)
+            if paused:
+                raise TaskStopped(ending, None, "found the motion paused, and the arm was stopped")
+
     async def motions_ended(self) -> None:
         """Poll the motions at once, and wait until they have ended, for a second at most."""
         now = time.monotonic()
@@ -407,9 +427,8 @@ class TaskFollower:
             task.continuous
             and task.continuous.timed_by_program
             and task.time_over
-            and not task.life.end_seen
+            and not (task.life.end_seen or task in self._endings)
         ):
-            task.life.end_sent()
             self._endings[task] = anyio.Event()
             self._background.start(self._end_due(task), "aioduco end of a motion")
 
@@ -525,6 +544,7 @@ class TaskFollower:
 
     def _mark_ended(self, task: Task, errors: Sequence[str], now: float) -> None:
         self._seen.pop(task, None)
+        self._endings.pop(task, None)
         was_done = task.done
         task._finish(errors, now)
         if not self._seen and not self._closed:
@@ -602,8 +622,9 @@ class TaskFollower:
 
     async def _end_due(self, task: Task) -> None:
         assert task.continuous is not None
+        answered = self._endings[task]
         try:
-            await self._arm.end(task.continuous.ending, answered=self._endings[task].set)
+            await self._arm.end(task.continuous.ending, answered=answered.set)
         except DucoError as exc:
             # The arm was stopped instead, or that failed too.
             if isinstance(exc, StopUnconfirmed):
@@ -614,7 +635,7 @@ class TaskFollower:
                 *(task, task.continuous.ending, exc),
             )
         finally:
-            self._endings.pop(task).set()  # if it was not asked
+            answered.set()  # if it was not asked
 
     async def _stop_overdue(self, task: Task) -> None:
         if await self._see(task, self._arm.halt, "%r is overdue: %s"):

@@ -6,7 +6,6 @@ has finished the task as soon as the motion has begun. The manual allows both.
 
 from __future__ import annotations
 
-import contextlib
 import time
 from collections.abc import Callable
 from typing import Any
@@ -210,10 +209,14 @@ async def test_an_ending_without_effect_on_what_is_paused_becomes_a_stop(
             return desk._add(BenchTask("speedl", 0.0, 0.0, motion=False))
 
         desk.answer("speedl", start)
-    with contextlib.suppress(aioduco.TaskStopped):
+
+    async def block() -> None:
         async with robot.motion.speedl(DOWN, a=1.0, time=None):
             await eventually_async(desk.moving)
             await robot.pause()
+
+    with pytest.raises(aioduco.TaskStopped):
+        await block()
     desk._resume(False)
     assert not desk.moving()
 
