@@ -7,6 +7,7 @@ import itertools
 import math
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import anyio
@@ -21,8 +22,9 @@ from aioduco._wire.endpoint import Endpoint
 from aioduco._wire.own_connection import OwnConnection
 from aioduco.api.streams.servo import Servo
 from aioduco.api.streams.speed import Speed
-from aioduco.errors import ParameterError, StreamStarved
+from aioduco.errors import ParameterError, StreamRefused, StreamStarved
 from aioduco.streaming.shared.space import JOINT_SPACE, POSE_SPACE, Config, Limits, Space
+from aioduco.streaming.shared.words import StreamState
 from aioduco.streaming.worker.limiter import JerkLimiter, Limiter, SpeedGenerator
 from aioduco.streaming.worker.rest import bring_to_rest
 from aioduco.supervision.unanswered import UnansweredMotion
@@ -203,6 +205,19 @@ async def test_turning_speeds_between_two_times_are_numbers_and_no_orientations(
     sampled = np.array(await stream._sampled(speeds, [0.0, 1.0]))
     assert sampled.shape == (51, 6)
     np.testing.assert_allclose(sampled, sampled[:, 5:] / 3.5 * np.array(speeds[1]), atol=1e-12)
+
+
+async def test_a_speed_that_somebody_pauses_while_it_ends_is_told(controller: Controller) -> None:
+    """What the program sends next must not move an arm that somebody has paused."""
+    options = dataclasses.replace(THREAD, watch=0.02)
+    opened = Speed(controller.endpoint).joints(a=0.01, v=0.5, hold=10.0, options=options)
+    controller.server.answer(
+        "get_noneblock_taskstate", lambda _: 1 + (opened.state is StreamState.DECELERATING)
+    )
+    ramped = partial(eventually_async, lambda: len(controller.server.received("speedj")) > 50)
+    with pytest.raises(StreamRefused, match="was paused"):
+        await fed(opened, [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]], ramped)
+    assert controller.names()[-2:] == ["speed_stop", "stop"]
 
 
 async def test_a_tool_speed_without_a_hand_on_it_ends_at_zero(controller: Controller) -> None:

@@ -240,6 +240,30 @@ async def test_a_queue_from_which_nothing_is_taken_any_more_ends_the_stream(
     assert controller.names()[-2:] == ["end_realtime_mode", "stop"]
 
 
+@pytest.mark.parametrize("halted", [True, False])
+async def test_an_end_while_the_last_points_are_followed_is_told(
+    controller: Controller, queue: Cycles, *, halted: bool
+) -> None:
+    """The arm is not where the program has led it, and what follows must not begin from there."""
+    opened = of_positions(controller, options=dataclasses.replace(THREAD, watch=0.02))
+
+    def left() -> int:
+        return 40 if opened.state is StreamState.DECELERATING else 20
+
+    async def end() -> None:
+        await eventually_async(lambda: opened.state is StreamState.DECELERATING)
+        if halted:
+            opened.halt()
+        else:
+            controller.server.answer("get_robot_state", [5, 0, 9, 1])
+
+    controller.server.answer("get_realtime_data_queue_size", left)
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(end)
+        with pytest.raises(StreamStopped if halted else StreamRefused):
+            await fed(opened, [HERE] * 50)
+
+
 @for_each("mode", ["joint_torque", 2, "nonsense"])
 def test_torques_and_unknown_modes_are_refused(mode: Any) -> None:
     known = '"joint_position", "joint_velocity", "pose" or "twist"'

@@ -90,7 +90,7 @@ class CallDriver(Driver):
             text = self._numbers.polled(task, state, time.monotonic())
             if text:
                 call("stop", (True,), timeout)
-                self.life.stopped(text)
+                self.life.end(Reason.STOPPED, text)
                 return True
         return False
 

@@ -6,8 +6,8 @@ HOLDING     the program is late, and the arm waits for it.
 DECELERATING  the end is decided and its reason known. The arm comes to rest.
 ENDED       nothing more is sent.
 
-The state never goes back from DECELERATING or ENDED, and the first reason and its text stay. But a
-stream that its program has closed may be stopped by another caller before the arm is at its end.
+The state never goes back from DECELERATING or ENDED, and the first reason and its text stay. But of
+a stream that its program has closed, what ends it before the arm is at its end is the reason.
 """
 
 from __future__ import annotations
@@ -62,13 +62,6 @@ class Life:
 
     def end(self, reason: Reason, text: str = "") -> None:
         """Send nothing more: the arm is stopped by another caller, or cannot be reached."""
-        if self.state < StreamState.ENDED:
-            self.state = StreamState.ENDED
-            if not self.reason:
-                self.reason, self.text = reason, text
-
-    def stopped(self, text: str) -> None:
-        """Send nothing more: another caller stopped the arm, and it was stopped again."""
-        if self.reason is Reason.CLOSED:
-            self.reason, self.text = Reason.STOPPED, text
-        self.end(Reason.STOPPED, text)
+        self.state = StreamState.ENDED
+        if self.reason in (Reason.NONE, Reason.CLOSED):
+            self.reason, self.text = reason, text
