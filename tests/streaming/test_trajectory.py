@@ -234,12 +234,24 @@ async def test_an_arm_that_is_stuck_violates_the_path(
     assert came_to_rest(places, 500, 20.0, sum(missed))
 
 
+async def test_a_joint_whose_tolerance_is_0_is_not_looked_at_on_the_way(
+    controller: Controller,
+) -> None:
+    arm = Arm(controller)
+    arm.offset = np.array([0, 0.05, 0, 0, 0, 0])
+    loose = Tolerances(path=(0.04, 0, *[0.04] * 4), goal=0.1, goal_time=20.0)
+    assert (await run(controller, arm, tolerances=loose)).path_error[1] > 0.04
+
+
 @pytest.mark.slow
-async def test_an_arm_that_does_not_arrive_violates_the_goal(controller: Controller) -> None:
+@pytest.mark.parametrize("goal", [0.01, 0, (*[0.01] * 5, 0)])
+async def test_an_arm_that_does_not_arrive_violates_the_goal(
+    controller: Controller, goal: float | tuple[float, ...]
+) -> None:
     arm = Arm(controller)
     arm.offset = np.array([0, 0, 0, 0, 0, 0.05])
     with pytest.raises(GoalToleranceViolated, match="joint 6"):
-        await run(controller, arm, tolerances=Tolerances(path=0, goal=0.01, goal_time=0.1))
+        await run(controller, arm, tolerances=Tolerances(path=0, goal=goal, goal_time=0.1))
 
 
 @pytest.mark.slow

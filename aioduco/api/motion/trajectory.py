@@ -9,7 +9,6 @@ import anyio.lowlevel
 import numpy as np
 
 from aioduco.api.motion.switch import SwitchPlace, TrajectorySwitch
-from aioduco.api.streams.arguments import per_group
 from aioduco.api.streams.realtime import CYCLE, RealtimeStreams
 from aioduco.api.streams.servo import Servo
 from aioduco.errors import (
@@ -256,12 +255,12 @@ class _Watcher:
             actual = await self._actual("the stream was ended, and the arm is brought to rest")
             error = self._compare(taken, self._stream.taken, actual)
             self.worst = np.maximum(self.worst, np.abs(error))
-            allowed = self._way.part(taken - 1).tolerances.path
-            path = _six("path", allowed) if allowed else np.zeros(6)
+            path = np.broadcast_to(self._way.part(taken - 1).tolerances.path, 6)
             if self._stream.quiet:
                 continue  # it has ended, as at a first point too far away: its own error says why
-            if np.any(path) and np.any(np.abs(error) > path):
-                joint = int(np.argmax(np.abs(error) - path))
+            beyond = np.where(path > 0.0, np.abs(error) - path, 0.0)
+            if np.any(beyond > 0.0):
+                joint = int(np.argmax(beyond))
                 self.strayed = PathToleranceViolated(
                     f"joint {joint + 1} is {error[joint]:+.4g} rad from its trajectory, "
                     f"{path[joint]:g} allowed; the arm was brought to rest, and stopped",
@@ -308,7 +307,7 @@ class _Watcher:
     async def arrive(self) -> None:
         """Wait until the arm is at its goal."""
         _, curve, tolerances = self._way.last()
-        goal, allowed = curve.at(curve.times[-1:])[0], _six("goal", tolerances.goal)
+        goal, allowed = curve.at(curve.times[-1:])[0], np.broadcast_to(tolerances.goal, 6)
         until = time.monotonic() + tolerances.goal_time
         async for _ in every(_LOOK):
             actual = await self._actual("it has followed all of the trajectory")
@@ -328,7 +327,3 @@ def _first(group: BaseExceptionGroup[BaseException]) -> BaseException:
     """Return the first error of a group; it caused the others."""
     error = group.exceptions[0]
     return _first(error) if isinstance(error, BaseExceptionGroup) else error
-
-
-def _six(name: str, value: float | tuple[float, ...]) -> NDArray[np.float64]:
-    return np.array(per_group(name, value, 6))
