@@ -111,8 +111,9 @@ class ArmScene:
             "/base/is/1/2/3/4/5/6/flange", axes_length=0.12, axes_radius=0.004,
             wxyz=quaternion_from_matrix(on[:3, :3]), position=on[:3, 3],
         )  # fmt: skip
-        for thing in scene or ():
-            self._add_body(f"/things/{thing.name or id(thing)}", thing.mjcf(free=False))
+        for number, thing in enumerate(scene or ()):
+            # not by its name, which may begin as that of another one and a slash
+            self._add_body(f"/things/{number}", thing.mjcf(free=False))
         for number, limit in enumerate(() if envelope is None else envelope.limits):
             if isinstance(limit, Zone):
                 self._add_zone(f"/base/zones/{number}", limit)

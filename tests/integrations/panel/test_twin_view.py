@@ -87,7 +87,7 @@ def test_what_differs_from_the_arm_is_drawn_where_it_is(which: str) -> None:
 
 def test_things_and_zones_are_drawn_where_they_are() -> None:
     table = Table(at=(0.62, 0.0, 0.24), size=(0.5, 0.8), name="table")
-    ball = Sphere(at=(0.0, 0.5, 0.3), radius=0.1, name="ball")
+    ball = Sphere(at=(0.0, 0.5, 0.3), radius=0.1, name="table/ball")
     zones = [
         Zone.box((0.0, 0.72, 0.55), (1.3, 0.04, 1.1)),
         Zone.sphere((0.0, 0.0, 1.0), 0.3),
@@ -97,10 +97,10 @@ def test_things_and_zones_are_drawn_where_they_are() -> None:
     with contextlib.closing(ArmScene(ARM, *around)) as scene:
         drawn = scene._server.scene._handle_from_node_name
         for name, place, size in (
-            ("/things/table", (0.62, 0.0, 0.24), None),
-            ("/things/table/0", (0.0, 0.0, -0.01), (0.5, 0.8, 0.02)),
-            ("/things/ball", (0.0, 0.5, 0.3), None),
-            ("/things/ball/0", (0.0, 0.0, 0.0), 0.1),
+            ("/things/0", (0.62, 0.0, 0.24), None),
+            ("/things/0/0", (0.0, 0.0, -0.01), (0.5, 0.8, 0.02)),
+            ("/things/1", (0.0, 0.5, 0.3), None),  # in no frame of another one
+            ("/things/1/0", (0.0, 0.0, 0.0), 0.1),
             ("/base/zones/0", (0.0, 0.72, 0.55), (1.3, 0.04, 1.1)),
             ("/base/zones/1", (0.0, 0.0, 1.0), 0.3),
             ("/base/zones/2", (0.0, 0.0, 0.02), (2.4, 2.4, 0.002)),
