@@ -50,11 +50,13 @@ def is_scalar(value: object) -> TypeGuard[np.generic[Any] | NDArray[Any]]:
 def plain(value: object) -> Any:
     """A scalar of numpy, or an array without dimensions, as Python has it.
 
-    A time of numpy becomes None: it counts as a whole number there, in a unit of its own.
+    A time of numpy becomes None: it counts as a whole number there, in a unit of its own. So does
+    what is masked, which is missing: its number is 0.
     """
     if not is_scalar(value):
         return value
-    return None if value.dtype.kind in "mM" else value.item()
+    missing = value.dtype.kind in "mM" or getattr(value, "mask", False)
+    return None if missing else value.item()
 
 
 def json_value(value: Any, *, recorded: bool = False) -> Any:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from typing import TYPE_CHECKING, overload
 
 from aioduco.errors import ParameterError
+from aioduco.models.numpy_on_use import is_number
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -56,9 +58,9 @@ def _each(
 ) -> float | tuple[float, ...]:
     converted = []
     for value in values:
-        try:
-            converted.append(convert(value))
-        except (TypeError, OverflowError):  # a list, a text; a number beyond all floats
-            told = f"{expected}; several are given one by one"
-            raise ParameterError("value", value, told) from None
+        with suppress(OverflowError):  # a number beyond all floats
+            if is_number(value):
+                converted.append(convert(value))
+                continue
+        raise ParameterError("value", value, f"{expected}; several are given one by one")
     return tuple(converted) if len(converted) > 1 else converted[0]

@@ -216,6 +216,10 @@ def test_what_is_masked_is_missing() -> None:
     masked = np.ma.masked_array(np.zeros((2, 6)), mask=np.eye(2, 6, dtype=bool))
     with pytest.raises(ParameterError, match="finite"):
         JointTrajectory(masked, [0.0, 1.0])
+    with pytest.raises(ParameterError, match="j1"):
+        Joints(*masked[0])
+    with pytest.raises(ParameterError, match="joints"):
+        ranges.JOINTS("joints", [*masked[0]])
 
 
 @for_each("jump", [math.nan, -1.0, "1", True])
