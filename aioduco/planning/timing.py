@@ -34,6 +34,7 @@ _ORDER = 5
 _SPAN = 2  # ticks in a span of the pace
 _EDGE = 6  # ticks at either end where points are twice as close
 _PLACES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)  # samples in an interval, as shares of it
+_BETWEEN = 1.0004  # times slower than they need: speed and acceleration are higher between them
 _ROUNDS = 3
 _CLOSE = 1.004  # times too fast: below this, another round is not worthwhile
 _SOFT = 8e-3  # weight of the barriers in another round
@@ -75,7 +76,7 @@ def timed(curve: BSpline, limits: MotionLimits, rate: float = np.inf) -> TimedPa
         pace = faster(nodes, pace, limits, rate, *([_SOFT] if count else []))
         found = _along(curve, law, times, pace)
         beyond = _beyond(found, limits)
-        excess = float((beyond ** (1.0, 1.0 / 2.0, 1.0 / 3.0)).max())
+        excess = _BETWEEN * float((beyond ** (1.0, 1.0 / 2.0, 1.0 / 3.0)).max())
         # Slower if a limit is exceeded; faster if there is room left, but not along a line.
         slower = max(excess, 1.0) if np.isfinite(rate) else excess
         if best is None or slower * found.times[-1] < best.times[-1]:

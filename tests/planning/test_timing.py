@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from aioduco.kinematics import arm as arm_of
+from aioduco.models.ranges import JOINT_SPEED
 from aioduco.planning import MotionLimits, Plan
 from aioduco.planning.spline import BSpline
 from aioduco.planning.timing import TimedPath, timed
@@ -25,17 +26,16 @@ def wavy(seed: int) -> BSpline:
     return BSpline(knots, control, 3)
 
 
-def excess(found: TimedPath, limits: MotionLimits) -> float:
+def excess(found: TimedPath, limits: MotionLimits, step: float = 0.0005, orders: int = 3) -> float:
     """The largest share of a limit, by differences of what will be sent."""
     trajectory = JointTrajectory(
         found.positions, found.times, found.velocities, found.accelerations
     )
-    step = 0.0005
     times = np.arange(0.0, found.times[-1], step)
     q = trajectory.curve(found.positions[0].tolist()).at(times)
     return max(
         float((np.abs(np.diff(q, order, axis=0)) / step**order / limit).max())
-        for order, limit in enumerate(limits.arrays, start=1)
+        for order, limit in enumerate(limits.arrays[:orders], start=1)
     )
 
 
@@ -55,7 +55,16 @@ def test_a_straight_way_takes_the_time_of_the_closed_form(
     control = np.outer(np.linspace(0.0, way, 4), [1.0, 0.5, -0.3, 0.0, 0.2, -1.0])
     found = timed(BSpline([0.0] * 4 + [1.0] * 4, control, 3), limits)
     assert least * 0.999 <= found.times[-1] <= least * within
-    assert excess(found, limits) <= 1.001
+    assert excess(found, limits) <= 1.0
+
+
+def test_no_limit_is_exceeded_between_the_places_that_are_looked_at() -> None:
+    """A stream takes no plan that is faster than a joint may be, by a millionth."""
+    for way, a, jerk in ((6.0, 60.0, 2e4), (6.0, 20.0, 2e4)):
+        limits = MotionLimits.of(ARM, JOINT_SPEED.high, a, jerk)
+        control = np.outer(np.linspace(0.0, way, 4), [1.0, 0.5, -0.3, 0.0, 0.2, -1.0])
+        found = timed(BSpline([0.0] * 4 + [1.0] * 4, control, 3), limits)
+        assert excess(found, limits, step=1e-4, orders=2) <= 1.0
 
 
 @pytest.mark.slow
@@ -80,11 +89,11 @@ def test_without_a_limit_of_jerk_it_is_as_fast_as_toppra(seed: int) -> None:
     limits = MotionLimits.of(ARM, V, A, 1000.0 * A)
     found = timed(curve, limits)
     assert found.times[-1] <= 1.05 * fastest
-    assert excess(found, limits) <= 1.001
+    assert excess(found, limits) <= 1.0
     # The jerk costs the time of a few ramps of the acceleration, of 0.1 s each.
     smooth = timed(curve, MotionLimits.of(ARM, V, A, JERK))
     assert smooth.times[-1] <= 1.15 * fastest
-    assert excess(smooth, MotionLimits.of(ARM, V, A, JERK)) <= 1.001
+    assert excess(smooth, MotionLimits.of(ARM, V, A, JERK)) <= 1.0
 
 
 @pytest.mark.parametrize(
@@ -100,8 +109,8 @@ def test_a_slow_limit_makes_a_plan_long_and_not_large(v: float, a: float, jerk: 
     least = max(way / v, 2.0 * np.sqrt(way / a), (32.0 * way / jerk) ** (1.0 / 3.0))
     assert 0.999 * least <= found.times[-1] <= 1.06 * least
     speed, acceleration = np.abs(found.velocities).max(), np.abs(found.accelerations).max()
-    assert speed <= 1.001 * v
-    assert acceleration <= 1.001 * a
+    assert speed <= v
+    assert acceleration <= a
 
 
 @pytest.mark.slow
