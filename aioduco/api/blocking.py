@@ -186,7 +186,7 @@ class BlockingMotions(Section):
             ParameterError: an argument is out of range.
 
         Warns:
-            UnitWarning: `v` looks like rad/s: it has a decimal point, and is at most 3.93.
+            UnitWarning: `v` looks like rad/s: it has a decimal point, and is at most 3.926.
 
         Not in the manual. The wire of 3.8 has it, and it is much used; the unit, percent, is what
         its users report, and the comments of the vendor's class.
@@ -230,7 +230,7 @@ class BlockingMotions(Section):
             ParameterError: an argument is out of range.
 
         Warns:
-            UnitWarning: `v` looks like rad/s: it has a decimal point, and is at most 3.93.
+            UnitWarning: `v` looks like rad/s: it has a decimal point, and is at most 3.926.
 
         Not in the manual. The wire of 3.8 has it, and it is much used; the unit, percent, is what
         its users report, and the comments of the vendor's class.

@@ -49,7 +49,7 @@ class MotionLimits:
 
         Args:
             arm: arm whose own limits of speed apply, too: higher speeds are cut to them.
-            v: largest joint speed, 0.000175 to 3.93 [rad/s].
+            v: largest joint speed, 0.000175 to 3.926 [rad/s].
             a: largest joint acceleration, from 0.000175 [rad/s²].
             jerk: largest jerk, above 0 [rad/s³]; None: 10 times the acceleration, per second.
 

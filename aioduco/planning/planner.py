@@ -141,7 +141,7 @@ class Planner(Closable):
             start: where the arm is, six joint angles [rad].
             goal: `Joints`, a `Pose` of the tool in the base frame, a `Region`, or several of
                 these; a path to any of them is enough. For a pose, every configuration is a goal.
-            v: largest speed of each joint, 0.000175 to 3.93, one number or six [rad/s].
+            v: largest speed of each joint, 0.000175 to 3.926, one number or six [rad/s].
             a: largest acceleration of each joint, from 0.000175 [rad/s²].
             jerk: largest jerk of each joint [rad/s³]; None: 10 times the acceleration, per s.
             upright: whether the tool may turn about the vertical only, like an open cup. At the

@@ -324,7 +324,7 @@ class Motion(_Section):
 
         Args:
             trajectory: the joint positions and their times.
-            v: largest speed of each joint, 0.000175 to 3.93 [rad/s]; a trajectory that is faster
+            v: largest speed of each joint, 0.000175 to 3.926 [rad/s]; a trajectory that is faster
                 is refused.
             a: largest acceleration of each joint, from 0.000175 [rad/s²]; sharper corners of the
                 trajectory are rounded.
@@ -517,7 +517,7 @@ class Motion(_Section):
             ParameterError: an argument is out of range.
 
         Warns:
-            UnitWarning: `v` looks like rad/s: it has a decimal point, and is at most 3.93.
+            UnitWarning: `v` looks like rad/s: it has a decimal point, and is at most 3.926.
 
         Not in the manual. The wire of 3.8 has it, and it is much used; the unit, percent, is what
         its users report, and the comments of the vendor's class.
@@ -562,7 +562,7 @@ class Motion(_Section):
             ParameterError: an argument is out of range.
 
         Warns:
-            UnitWarning: `v` looks like rad/s: it has a decimal point, and is at most 3.93.
+            UnitWarning: `v` looks like rad/s: it has a decimal point, and is at most 3.926.
 
         Not in the manual. The wire of 3.8 has it, and it is much used; the unit, percent, is what
         its users report, and the comments of the vendor's class.
@@ -1578,7 +1578,7 @@ class BlockingMotions(_Section):
             ParameterError: an argument is out of range.
 
         Warns:
-            UnitWarning: `v` looks like rad/s: it has a decimal point, and is at most 3.93.
+            UnitWarning: `v` looks like rad/s: it has a decimal point, and is at most 3.926.
 
         Not in the manual. The wire of 3.8 has it, and it is much used; the unit, percent, is what
         its users report, and the comments of the vendor's class.
@@ -1621,7 +1621,7 @@ class BlockingMotions(_Section):
             ParameterError: an argument is out of range.
 
         Warns:
-            UnitWarning: `v` looks like rad/s: it has a decimal point, and is at most 3.93.
+            UnitWarning: `v` looks like rad/s: it has a decimal point, and is at most 3.926.
 
         Not in the manual. The wire of 3.8 has it, and it is much used; the unit, percent, is what
         its users report, and the comments of the vendor's class.
@@ -2701,7 +2701,7 @@ class Servo(_Section):
         """Follow joint positions (servoj, 关节伺服).
 
         Args:
-            v: largest speed of each joint, 0.000175 to 3.93 [rad/s].
+            v: largest speed of each joint, 0.000175 to 3.926 [rad/s].
             a: largest acceleration of each joint, from 0.000175 [rad/s²].
             jerk: largest jerk of each joint, for upsample="ruckig" [rad/s³]; None: 10 a.
             max_step: largest step of a joint between two targets [rad].
@@ -2744,7 +2744,7 @@ class Servo(_Section):
         """Follow poses of the tool in the work object (servoj_pose, 位姿伺服).
 
         Args:
-            v: largest speed of each joint, for the controller, 0.000175 to 3.93 [rad/s].
+            v: largest speed of each joint, for the controller, 0.000175 to 3.926 [rad/s].
             a: largest acceleration of each joint, for the controller, from 0.000175 [rad/s²].
             velocity: largest speed of the tool [m/s] and its largest turning speed [rad/s].
             acceleration: largest acceleration of the tool [m/s²] and of its turning [rad/s²].
@@ -2797,7 +2797,7 @@ class Servo(_Section):
         within both. The other arguments are those of `pose`.
 
         Args:
-            v: speed for the controller, 0.000175 to 3.93 [rad/s or m/s].
+            v: speed for the controller, 0.000175 to 3.926 [rad/s or m/s].
             a: acceleration for the controller, from 0.000175 [rad/s² or m/s²].
             velocity: largest speed of the tool [m/s] and its largest turning speed [rad/s].
             acceleration: largest acceleration of the tool [m/s²] and of its turning [rad/s²].
@@ -2854,7 +2854,7 @@ class Servo(_Section):
         many ticks as the limits require. With `latest`, offsets that are not sent yet add up.
 
         Args:
-            v: speed for the controller, 0.000175 to 3.93 [rad/s or m/s].
+            v: speed for the controller, 0.000175 to 3.926 [rad/s or m/s].
             a: acceleration for the controller, from 0.000175 [rad/s² or m/s²].
             velocity: largest speed of the tool [m/s] and its largest turning speed [rad/s].
             acceleration: largest acceleration of the tool [m/s²] and of its turning [rad/s²].
@@ -2916,7 +2916,7 @@ class Speed(_Section):
 
         Args:
             a: largest acceleration of each joint, from 0.000175 [rad/s²].
-            v: largest speed of each joint, 0.000175 to 3.93 [rad/s]; higher speeds are limited.
+            v: largest speed of each joint, 0.000175 to 3.926 [rad/s]; higher speeds are limited.
             dead_man: time without a call after which the controller ends the motion, up to 10 [s].
             rate: calls per second [Hz].
             latest: whether only the newest speed counts, and `send` never waits.
@@ -2962,7 +2962,7 @@ class Speed(_Section):
             a: largest acceleration of the tool, from 0.00001 [m/s²].
             turn_a: largest change of the turning speed [rad/s²]; the worker keeps this limit.
             v: largest speed, 0.00001 to 5 [m/s]; higher speeds are limited.
-            turn_v: largest turning speed, up to 3.93 [rad/s]; higher speeds are limited.
+            turn_v: largest turning speed, up to 3.926 [rad/s]; higher speeds are limited.
             frame: frame whose axes the speed refers to: "tool", "base" (z is up if the arm stands
                 on a floor) or "wobj", a work object.
             wobj: name of the work object; empty: the one in use.
@@ -3208,9 +3208,9 @@ class Track(_Section):
 
         Args:
             space: "joints" for joint positions, "pose" for poses of the tool.
-            speed: largest joint speed, 0.000175 to 3.93 [rad/s], or speed of the tool, 0.00001
+            speed: largest joint speed, 0.000175 to 3.926 [rad/s], or speed of the tool, 0.00001
                 to 5 [m/s].
-            acc: largest joint acceleration, 0.000175 to 39.3 [rad/s²], or of the tool, from
+            acc: largest joint acceleration, 0.000175 to 39.26 [rad/s²], or of the tool, from
                 0.00001 [m/s²].
             radius: blend radius between the points of a Cartesian path [m].
             tool: name of the tool; empty: the one in use. Cartesian paths only.

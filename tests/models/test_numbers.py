@@ -9,6 +9,7 @@ import re
 from collections.abc import Callable
 from decimal import Decimal
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -240,6 +241,16 @@ def test_set_points_fit_into_memory() -> None:
     assert instants(0.01, 0.002).tolist() == pytest.approx([0.0, 0.002, 0.004, 0.006, 0.008, 0.01])
     with pytest.raises(ParameterError, match=r"at most 20000 s long at 500 Hz"):
         instants(20001.0, 0.002)
+
+
+def test_the_ends_of_ranges_in_docstrings_are_within_them() -> None:
+    files = Path(aioduco.__file__).parent.rglob("*.py")
+    texts = " ".join(file.read_text(encoding="utf-8") for file in files)
+    found = set(re.findall(r"(0\.000175) to (\d+\.\d+)", texts))
+    assert len(found) == 2  # speed and acceleration of a joint, which end at multiples of π
+    for low, high in found:
+        rule = ranges.JOINT_SPEED if float(high) < 10.0 else ranges.TRACK_JOINT_ACCELERATION
+        assert rule("v", float(low)) < rule("v", float(high))
 
 
 # -- rotations and texts -------------------------------------------------------------------------

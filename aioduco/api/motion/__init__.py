@@ -190,7 +190,7 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
 
         Args:
             trajectory: the joint positions and their times.
-            v: largest speed of each joint, 0.000175 to 3.93 [rad/s]; a trajectory that is faster
+            v: largest speed of each joint, 0.000175 to 3.926 [rad/s]; a trajectory that is faster
                 is refused.
             a: largest acceleration of each joint, from 0.000175 [rad/s²]; sharper corners of the
                 trajectory are rounded.

@@ -125,7 +125,7 @@ class Servo(StreamMaker):
         """Follow joint positions (servoj, 关节伺服).
 
         Args:
-            v: largest speed of each joint, 0.000175 to 3.93 [rad/s].
+            v: largest speed of each joint, 0.000175 to 3.926 [rad/s].
             a: largest acceleration of each joint, from 0.000175 [rad/s²].
             jerk: largest jerk of each joint, for upsample="ruckig" [rad/s³]; None: 10 a.
             max_step: largest step of a joint between two targets [rad].
@@ -176,7 +176,7 @@ class Servo(StreamMaker):
         """Follow poses of the tool in the work object (servoj_pose, 位姿伺服).
 
         Args:
-            v: largest speed of each joint, for the controller, 0.000175 to 3.93 [rad/s].
+            v: largest speed of each joint, for the controller, 0.000175 to 3.926 [rad/s].
             a: largest acceleration of each joint, for the controller, from 0.000175 [rad/s²].
             velocity: largest speed of the tool [m/s] and its largest turning speed [rad/s].
             acceleration: largest acceleration of the tool [m/s²] and of its turning [rad/s²].
@@ -229,7 +229,7 @@ class Servo(StreamMaker):
         within both. The other arguments are those of `pose`.
 
         Args:
-            v: speed for the controller, 0.000175 to 3.93 [rad/s or m/s].
+            v: speed for the controller, 0.000175 to 3.926 [rad/s or m/s].
             a: acceleration for the controller, from 0.000175 [rad/s² or m/s²].
             velocity: largest speed of the tool [m/s] and its largest turning speed [rad/s].
             acceleration: largest acceleration of the tool [m/s²] and of its turning [rad/s²].
@@ -286,7 +286,7 @@ class Servo(StreamMaker):
         many ticks as the limits require. With `latest`, offsets that are not sent yet add up.
 
         Args:
-            v: speed for the controller, 0.000175 to 3.93 [rad/s or m/s].
+            v: speed for the controller, 0.000175 to 3.926 [rad/s or m/s].
             a: acceleration for the controller, from 0.000175 [rad/s² or m/s²].
             velocity: largest speed of the tool [m/s] and its largest turning speed [rad/s].
             acceleration: largest acceleration of the tool [m/s²] and of its turning [rad/s²].

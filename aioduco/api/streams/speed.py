@@ -48,7 +48,7 @@ class Speed(StreamMaker):
 
         Args:
             a: largest acceleration of each joint, from 0.000175 [rad/s²].
-            v: largest speed of each joint, 0.000175 to 3.93 [rad/s]; higher speeds are limited.
+            v: largest speed of each joint, 0.000175 to 3.926 [rad/s]; higher speeds are limited.
             dead_man: time without a call after which the controller ends the motion, up to 10 [s].
             rate: calls per second [Hz].
             latest: whether only the newest speed counts, and `send` never waits.
@@ -101,7 +101,7 @@ class Speed(StreamMaker):
             a: largest acceleration of the tool, from 0.00001 [m/s²].
             turn_a: largest change of the turning speed [rad/s²]; the worker keeps this limit.
             v: largest speed, 0.00001 to 5 [m/s]; higher speeds are limited.
-            turn_v: largest turning speed, up to 3.93 [rad/s]; higher speeds are limited.
+            turn_v: largest turning speed, up to 3.926 [rad/s]; higher speeds are limited.
             frame: frame whose axes the speed refers to: "tool", "base" (z is up if the arm stands
                 on a floor) or "wobj", a work object.
             wobj: name of the work object; empty: the one in use.

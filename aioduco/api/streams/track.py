@@ -123,9 +123,9 @@ class TrackStreams(StreamMaker):
 
         Args:
             space: "joints" for joint positions, "pose" for poses of the tool.
-            speed: largest joint speed, 0.000175 to 3.93 [rad/s], or speed of the tool, 0.00001
+            speed: largest joint speed, 0.000175 to 3.926 [rad/s], or speed of the tool, 0.00001
                 to 5 [m/s].
-            acc: largest joint acceleration, 0.000175 to 39.3 [rad/s²], or of the tool, from
+            acc: largest joint acceleration, 0.000175 to 39.26 [rad/s²], or of the tool, from
                 0.00001 [m/s²].
             radius: blend radius between the points of a Cartesian path [m].
             tool: name of the tool; empty: the one in use. Cartesian paths only.

@@ -14,8 +14,8 @@ class TeleopScale:
 
     Attributes:
         speed: speed along x, y and z, up to 5 [m/s].
-        turn_speed: turning speed about x, y and z, up to 3.93 [rad/s].
-        joint_speed: speed of each joint, up to 3.93 [rad/s].
+        turn_speed: turning speed about x, y and z, up to 3.926 [rad/s].
+        joint_speed: speed of each joint, up to 3.926 [rad/s].
     """
 
     speed: float = 0.05
