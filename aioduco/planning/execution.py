@@ -154,7 +154,7 @@ class _Followed:
             try:
                 result = await motion.follow_joint_trajectory(
                     self._plan.trajectory,
-                    v=min(1.001 * max(limits.velocity), JOINT_SPEED.high),
+                    v=max(limits.velocity),
                     a=_ROOM * max(limits.acceleration),
                     reach=2.0 * _NEAR,
                     feedback=self._on_feedback,

@@ -304,6 +304,18 @@ async def test_a_trajectory_too_fast_is_refused(controller: Controller) -> None:
         await run(controller, Arm(controller), v=0.2)
 
 
+async def test_a_speed_above_v_by_rounding_is_followed_within_v(controller: Controller) -> None:
+    """`v` may be the limit from which the trajectory was computed, as that of a goal of ROS."""
+    way = there_and_back()
+    fastest = np.abs(np.diff(way.curve(HERE).at(np.arange(0.0, 0.6, 0.002)), axis=0)).max() / 0.002
+    v = fastest / 1.0005
+    await run(controller, Arm(controller), way, v=v)
+    steps = np.diff(np.array(controller.points()), axis=0)
+    assert np.abs(steps).max() <= v * 0.002 * (1 + 1e-6)
+    with pytest.raises(ParameterError, match="rad/s, but must be up to"):
+        await run(controller, Arm(controller), way, v=fastest / 1.002)
+
+
 async def test_a_trajectory_that_ends_in_motion_is_refused(controller: Controller) -> None:
     """The arm would go beyond its last point, as far as it takes to brake, and come back."""
     here = np.array(HERE)

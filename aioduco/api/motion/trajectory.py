@@ -38,6 +38,7 @@ _LOOK = 0.02  # seconds between two reads of the arm's position
 _DEPTH = 100  # points in the controller's queue: it lasts for 0.1 s without new points
 _LAG = 0.3  # seconds by which the arm may lag behind its set-points without being off its path
 _AHEAD = 0.4  # seconds of set-points that are sent ahead, where another trajectory may come
+_ROUNDING = 1e-3  # share by which a speed may be above the limit from which it was computed
 _REST = 0.01  # rad/s up to which a joint rests at the last point
 _AT_ONCE = 4096  # set-points computed before the event loop runs again
 _WINDOW = 60  # points of the path in that time with which the arm's position is compared
@@ -67,7 +68,8 @@ async def follow(
         read_joints: function that reads the joint angles [rad].
         trajectory: the trajectory.
         realtime: whether to send through the realtime queue instead of servoj.
-        v: largest speed of each joint [rad/s]; a trajectory that is faster is refused.
+        v: largest speed of each joint [rad/s]; a trajectory that is faster, by more than
+            rounding, is refused.
         a: largest acceleration of each joint [rad/s²]; sharper corners of the trajectory are
             rounded.
         tolerances: largest distances of the arm from the trajectory; None: the defaults.
@@ -134,7 +136,7 @@ async def _points(curve: Spline, interval: float, v: float) -> NDArray[np.float6
         points[begin : begin + _AT_ONCE] = curve.at(at[begin : begin + _AT_ONCE])
         await anyio.lowlevel.checkpoint()
     speed = np.abs(np.diff(points, axis=0)).max(initial=0.0) / interval
-    if speed > v * (1 + 1e-6):
+    if speed > v * (1 + _ROUNDING):
         raise ParameterError(
             "trajectory", Described(f"a joint at {speed:.4g} rad/s"), f"up to {v:g} rad/s"
         )
