@@ -25,25 +25,35 @@ REAL = ("manual/test_examples", "pages/", "recording/playback/test_player", "sim
 
 
 def set_cycle(seconds: float) -> float:
-    """Make this the cycle [s] of simulators in this process that are given none; what it was."""
-    defaults = Simulator.__init__.__kwdefaults__
-    assert defaults is not None
+    """Make this the cycle [s] of simulators that are given none; what it was."""
+    defaults = _defaults()
     before: float = defaults["cycle"]
     defaults["cycle"] = seconds
     return before
 
 
 def spare_processor(speed: float) -> None:
-    """Let the simulators of this process, and those it spawns, take little of the computer."""
-    given: dict[str, Any] = {"cycle": COARSE, "speed": speed}
-    assert Simulator.__init__.__kwdefaults__ is not None
-    Simulator.__init__.__kwdefaults__.update(given)
+    """Let simulators that are not told otherwise take little of the computer."""
+    _defaults().update({"cycle": COARSE, "speed": speed})
+
+
+def _defaults() -> dict[str, Any]:
+    defaults = Simulator.__init__.__kwdefaults__
+    assert defaults is not None
+    return defaults
+
+
+def _spawn_with_defaults() -> None:
+    """Let simulators in processes of their own have the cycle and the speed of those in this one."""
     make = SimulatorProcess.__init__
 
-    def make_sparing(self: SimulatorProcess, options: dict[str, Any]) -> None:
-        make(self, given | options)
+    def make_alike(self: SimulatorProcess, options: dict[str, Any]) -> None:
+        make(self, {name: _defaults()[name] for name in ("cycle", "speed")} | options)
 
-    SimulatorProcess.__init__ = make_sparing  # type: ignore[method-assign]
+    SimulatorProcess.__init__ = make_alike  # type: ignore[method-assign]
+
+
+_spawn_with_defaults()
 
 
 def set_power_times(times: dict[str, float]) -> dict[str, float]:
