@@ -44,7 +44,7 @@ def _defaults() -> dict[str, Any]:
 
 
 def _spawn_with_defaults() -> None:
-    """Let simulators in processes of their own have the cycle and the speed of those in this one."""
+    """Let simulators in processes of their own have what those in this one have by default."""
     make = SimulatorProcess.__init__
 
     def make_alike(self: SimulatorProcess, options: dict[str, Any]) -> None:

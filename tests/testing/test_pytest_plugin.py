@@ -81,6 +81,8 @@ def settings_of(robot: SyncRobot) -> RobotSettings:
 
 
 SCOPE = ["-o", "asyncio_default_fixture_loop_scope=function"]
+#: plug-ins that no test here needs, and that take a quarter of a second of a processor to load
+LIGHT = ["-p", "no:anyio", "-p", "no:hypothesispytest"]
 OUTSIDE = """
 import sys
 
@@ -169,32 +171,33 @@ def run_tests(folder: Path, text: str, *options: str) -> tuple[int, str]:
     (folder / "test_program.py").write_text(text, encoding="utf-8")
     done = python(
         *("-m", "pytest", "-rs", "-p", "no:cacheprovider"),
-        *("-o", "asyncio_mode=auto", *SCOPE, *options, str(folder)),
+        *("-o", "asyncio_mode=auto", *LIGHT, *SCOPE, *options, str(folder)),
         cwd=folder,
     )
     return done.returncode, done.stdout + done.stderr
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("options", "counted"),
-    [((), "1 failed, 5 passed"), (("-n", "1", "-k", "bad"), "1 failed")],
-    ids=["alone", "spread"],
-)
-def test_a_failed_test_leaves_what_is_known_of_its_arm(
-    tmp_path: Path, options: tuple[str, ...], counted: str
-) -> None:
-    left = tmp_path / "left"
-    status, said = run_tests(tmp_path, PROGRAM, "--duco-artefacts", str(left), *options)
-    assert (status, counted in said) == (1, True), said
-    (folder,) = left.iterdir()
-    assert f"{folder}: run.mcap, events.txt, states.json, run.html" in said
-    assert read(folder / "run.mcap").complete
-    lines = (folder / "events.txt").read_text("utf-8").splitlines()
-    assert any('"function": "movej2"' in line for line in lines)
-    states = json.loads((folder / "states.json").read_text("utf-8"))
-    assert states["/joint_states"]["position"] == pytest.approx(HOME, abs=1e-2)
-    assert (folder / "arm.png").exists() or "no picture" in said
+def test_a_failed_test_leaves_what_is_known_of_its_arm(tmp_path: Path) -> None:
+    """Beside others, and when it fails again, spread over processes: then of its last run."""
+    left, before = tmp_path / "left", 0
+    for options, counted in (
+        ((), "1 failed, 5 passed"),
+        (("-n", "1", "-k", "bad"), "1 failed"),
+    ):
+        status, said = run_tests(tmp_path, PROGRAM, "--duco-artefacts", str(left), *options)
+        assert (status, counted in said) == (1, True), said
+        (folder,) = left.iterdir()
+        assert f"{folder}: run.mcap, events.txt, states.json, run.html" in said
+        run = read(folder / "run.mcap")
+        assert run.complete
+        assert run.started_ns > before
+        before = run.started_ns
+        lines = (folder / "events.txt").read_text("utf-8").splitlines()
+        assert any('"function": "movej2"' in line for line in lines)
+        states = json.loads((folder / "states.json").read_text("utf-8"))
+        assert states["/joint_states"]["position"] == pytest.approx(HOME, abs=1e-2)
+        assert (folder / "arm.png").exists() or "no picture" in said
 
 
 @pytest.mark.slow
@@ -225,18 +228,6 @@ def test_tests_whose_names_differ_by_signs_leave_files_of_their_own(tmp_path: Pa
     )
     assert "2 failed" in said, said
     assert len([*left.iterdir()]) == 2
-
-
-@pytest.mark.slow
-def test_a_test_that_fails_again_leaves_its_last_run(tmp_path: Path) -> None:
-    left = tmp_path / "left"
-    for run in range(2):
-        status, said = run_tests(tmp_path, PROGRAM, "--duco-artefacts", str(left), "-k", "bad")
-        assert status == 1, said
-        (folder,) = left.iterdir()
-        if not run:
-            before = read(folder / "run.mcap").started_ns
-    assert read(folder / "run.mcap").started_ns > before
 
 
 #: as pytest-rerunfailures does
