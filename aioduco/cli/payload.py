@@ -19,7 +19,7 @@ from aioduco.cli.questions import GIVES_WAY, SAFE, ask, typed_line
 from aioduco.cli.sessions import (
     control_session,
     observing_session,
-    reported_arm,
+    require_reported_arm,
     require_same_state,
     require_still_at,
 )
@@ -134,7 +134,7 @@ def payload(
         if kept is not None and file is not None:
             robot.envelope = robot.envelope or kept.envelope(name)
             _check_ways(kept, name, robot.state.get_actual_joints_position(), file)
-        arm = known_arm or _arm(robot)
+        arm = known_arm or require_reported_arm(robot, "--model")
         _require_arm(robot, arm, file)
         require_same_state(robot, states.robot, states.safety)
         robot.bring_up()
@@ -221,14 +221,6 @@ def _check_ways(cell: Cell, name: str | None, start: Joints, file: WaypointFile)
                     "arm is guided by hand",
                 )
         before, where = after, there
-
-
-def _arm(robot: Robot) -> Arm:
-    """The arm that the controller reports."""
-    found = reported_arm(robot)
-    if found is None:
-        fail("the controller tells no arm that is known: --model says which one it is")
-    return found
 
 
 def _require_arm(robot: Robot, arm: Arm, file: WaypointFile | None) -> None:

@@ -14,6 +14,7 @@ from aioduco.cli.exit_codes import (
     say_error,
 )
 from aioduco.cli.output import say
+from aioduco.cli.questions import GIVES_WAY, ask
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from aioduco.kinematics import Arm
     from aioduco.models.enums import RobotState, SafetyState
     from aioduco.models.pose import JointsLike, Pose
+    from aioduco.models.state import RobotStates
     from aioduco.sync import Robot
 
 
@@ -77,10 +79,28 @@ def control_session(address: RobotAddress, **options: Any) -> Iterator[Robot]:
             yield robot
 
 
+@contextmanager
+def guided_session(address: RobotAddress, states: RobotStates, *, yes: bool) -> Iterator[Robot]:
+    """Ask, and let a hand guide the arm in the block. However the command ends, the arm stands.
+
+    Args:
+        address: address of the controller.
+        states: what the question is about: the command ends if they have changed since.
+        yes: whether not to ask.
+    """
+    ask(GIVES_WAY.format(address), "Let it give way?", yes=yes)
+    # A person may take any time: hand guiding must not stop because no call is made.
+    with control_session(address, hold_limit=None) as robot:
+        require_same_state(robot, states.robot, states.safety)
+        robot.bring_up()
+        with robot.motion.teach_mode.start():
+            yield robot
+
+
 def reported_name(robot: Robot) -> str:
     """The arm that the controller reports, in its words; empty if it reports none."""
     from aioduco.errors import UnknownFunction  # noqa: PLC0415 - quick help
-    from aioduco.recording.playback.player import arm_named  # noqa: PLC0415
+    from aioduco.kinematics.catalogue import arm_named  # noqa: PLC0415
 
     try:
         return arm_named(robot.version.get_robot_type())
@@ -93,6 +113,19 @@ def reported_arm(robot: Robot) -> Arm | None:
     from aioduco.kinematics.catalogue import model_named  # noqa: PLC0415 - quick help
 
     return model_named(reported_name(robot))
+
+
+def require_reported_arm(robot: Robot, option: str) -> Arm:
+    """The arm that the controller reports; end the command if it reports none that is known.
+
+    Args:
+        robot: the robot.
+        option: the option that says which arm it is, for the message.
+    """
+    found = reported_arm(robot)
+    if found is None:
+        fail(f"the controller tells no arm that is known: {option} says which one it is")
+    return found
 
 
 def require_same_state(robot: Robot, state: RobotState, safety: SafetyState) -> None:

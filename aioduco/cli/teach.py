@@ -13,13 +13,7 @@ from aioduco.cli.cell_file import is_cell, load_cell
 from aioduco.cli.exit_codes import say_error
 from aioduco.cli.options import Guide, refuse_unused, require_writable
 from aioduco.cli.output import say
-from aioduco.cli.questions import GIVES_WAY, ask
-from aioduco.cli.sessions import (
-    control_session,
-    observing_session,
-    reported_name,
-    require_same_state,
-)
+from aioduco.cli.sessions import guided_session, observing_session, reported_name
 from aioduco.cli.status import degrees, pose_line
 
 if TYPE_CHECKING:
@@ -73,13 +67,8 @@ def teach(
             _keep(robot, store)
             return
         states = robot.state.get_robot_state()
-    ask(GIVES_WAY.format(address), "Let it give way?", yes=yes)
-    # A person may take any time: hand guiding must not stop because no call is made.
-    with control_session(address, hold_limit=None) as robot:
-        require_same_state(robot, states.robot, states.safety)
-        robot.bring_up()
-        with robot.motion.teach_mode.start():
-            _keep(robot, store)
+    with guided_session(address, states, yes=yes) as robot:
+        _keep(robot, store)
     say("hand guiding has ended, the arm stands")
 
 

@@ -12,8 +12,8 @@ from aioduco.cli.described import DescribedCommand
 from aioduco.cli.exit_codes import ended_by_errors, fail, say_error
 from aioduco.cli.options import Guide, Json, Yes, refuse_unused
 from aioduco.cli.output import print_json, say
-from aioduco.cli.questions import GIVES_WAY, ask, typed_line
-from aioduco.cli.sessions import control_session, observing_session, require_same_state
+from aioduco.cli.questions import ask, typed_line
+from aioduco.cli.sessions import guided_session, observing_session
 from aioduco.cli.status import pose_line
 
 if TYPE_CHECKING:
@@ -76,20 +76,13 @@ def touch(
         _check_tool(name, load)
     address = robot_at(host, port, cell)
     say(_HOW.format(count=touches), error=True)
+    session = observing_session(address)  # no heartbeat: another program may lead the arm
     if guide:
-        with observing_session(address) as robot:
+        with session as robot:
             states = robot.state.get_robot_state()
-        ask(GIVES_WAY.format(address), "Let it give way?", yes=yes)
-        # A person may take any time: hand guiding must not stop because no call is made.
-        with control_session(address, hold_limit=None) as robot:
-            require_same_state(robot, states.robot, states.safety)
-            robot.bring_up()
-            with robot.motion.teach_mode.start():
-                tip, frame = _measured(robot, touches, axes=axes)
-    else:
-        # No heartbeat: another program may lead the arm.
-        with observing_session(address) as robot:
-            tip, frame = _measured(robot, touches, axes=axes)
+        session = guided_session(address, states, yes=yes)
+    with session as robot:
+        tip, frame = _measured(robot, touches, axes=axes)
     with observing_session(address) as robot:
         offset = _offset(robot, tip, frame)
         if json:

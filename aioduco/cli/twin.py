@@ -27,7 +27,7 @@ from aioduco.cli.output import print_json, say
 from aioduco.cli.sessions import (
     observing_session,
     page_session,
-    reported_arm,
+    require_reported_arm,
     wait_until_ended,
 )
 from aioduco.cli.signals import receive_signals
@@ -220,10 +220,7 @@ def _model(address: RobotAddress, known: TwinLimits | None, arm: str | None) -> 
     if known is not None:
         return known.arm
     with observing_session(address) as robot:
-        found = reported_arm(robot)
-    if found is None:
-        fail("the controller tells no arm that is known: --arm says which one it is")
-    return found.name
+        return require_reported_arm(robot, "--arm").name
 
 
 async def _serve_page(
