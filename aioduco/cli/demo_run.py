@@ -43,6 +43,7 @@ from aioduco.models.host_port import host_port
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.whole_files import whole_file
 from aioduco.sim import scene as things
+from aioduco.supervision.concurrency import first_error
 
 if TYPE_CHECKING:
     import signal
@@ -485,10 +486,8 @@ async def perform(robot: Robot, plan: Choreography, shown: Demonstration) -> sig
                         await _pick_and_place(robot, shown, plan, gripper)
                     watching.cancel_scope.cancel()
             except* DucoError as group:
-                error: BaseException = group
-                while isinstance(error, BaseExceptionGroup):
-                    error = error.exceptions[0]
-                shown.error = in_commands(error, host_port(robot.host, robot.port))
+                where = host_port(robot.host, robot.port)
+                shown.error = in_commands(first_error(group), where)
         listening.cancel_scope.cancel()
     if work.cancelled_caught:
         shown.error = "interrupted: the arm was stopped, and stands"
@@ -631,12 +630,10 @@ def _performed(
     host: str, port: int, plan: Choreography, shown: Demonstration, clock: Clock | None = None
 ) -> signal.Signals | None:
     log_about(host_port(host, port))
-    if clock is None:
-        robot = aioduco.connect(host, port, state_rate=_SAMPLES)
-    else:  # a simulated arm, which can hurt nobody: a busy computer may stand still for a while
-        robot = aioduco.connect(
-            host, port, state_rate=_SAMPLES, clock=clock, heartbeat=20.0, loop_stall_limit=15.0
-        )
+    options: dict[str, Any] = {"state_rate": _SAMPLES}
+    if clock is not None:  # a simulated arm can hurt nobody: a busy computer may stand still
+        options |= {"clock": clock, "heartbeat": 20.0, "loop_stall_limit": 15.0}
+    robot = aioduco.connect(host, port, **options)
     try:
         return anyio.run(perform, robot, plan, shown)
     finally:

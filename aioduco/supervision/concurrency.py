@@ -243,6 +243,13 @@ async def run_to_completion(step: Callable[[], Awaitable[T]]) -> tuple[T, BaseEx
     return results[0], cancelled
 
 
+def first_error(error: BaseException) -> BaseException:
+    """Return the first error of a group, which caused the others; of any other error, itself."""
+    while isinstance(error, BaseExceptionGroup):
+        error = error.exceptions[0]
+    return error
+
+
 def _raised_at(error: BaseException) -> list[tuple[CodeType, int]]:
     """The place where an error was raised, and the calls that led to it."""
     return [(frame.f_code, line) for frame, line in traceback.walk_tb(error.__traceback__)]

@@ -21,7 +21,7 @@ from aioduco.errors import (
 )
 from aioduco.streaming.joint_trajectory import Feedback, Tolerances, TrajectoryResult
 from aioduco.streaming.sampling import Spline, instants
-from aioduco.supervision.concurrency import every
+from aioduco.supervision.concurrency import every, first_error
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Sequence
@@ -117,7 +117,7 @@ async def follow(
         if watcher.strayed is not None and endpoint.stop is not None:
             with anyio.CancelScope(shield=True):
                 await endpoint.stop("")
-        raise _first(group) from None
+        raise first_error(group) from None
     await watcher.arrive()
     return TrajectoryResult(
         time.monotonic() - start, watcher.worst, watcher.goal_error, stream.statistics()
@@ -323,9 +323,3 @@ class _Watcher:
                     f"{tolerances.goal_time:g} s after the end, {allowed[joint]:g} allowed",
                     self._stream.statistics(),
                 )
-
-
-def _first(group: BaseExceptionGroup[BaseException]) -> BaseException:
-    """Return the first error of a group; it caused the others."""
-    error = group.exceptions[0]
-    return _first(error) if isinstance(error, BaseExceptionGroup) else error

@@ -20,7 +20,7 @@ from aioduco.integrations.fleet.proof import read_keys
 from aioduco.integrations.fleet.reports import ArmReport
 from aioduco.integrations.fleet.settings import FleetFileError, settings_given
 from aioduco.robot import Robot, connect, stop_all
-from aioduco.supervision.concurrency import every
+from aioduco.supervision.concurrency import every, first_error
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -120,14 +120,14 @@ class FleetGateway(Uncopied):
                                 await robot.stop()
                         del self.robots[arm.name]
             except* DucoError as group:
-                why = str(_first(group))
+                why = str(first_error(group))
                 if why != said:
                     _log.warning("the arm %s is not supervised for now: %s", arm.name, why)
                 said = why
                 self._state.closed(arm.name, why)
             except* Exception as group:
                 # The failure of one arm does not end the supervision of the others.
-                why = f"the gateway failed: {_first(group)!r}"
+                why = f"the gateway failed: {first_error(group)!r}"
                 if why != said:
                     _log.exception("the gateway failed at the arm %s", arm.name)
                 said = why
@@ -203,10 +203,3 @@ def _reach(arm: ArmSettings, rate: float) -> Robot:
         guard="process" if arm.guard else None,
         state_rate=rate,
     )
-
-
-def _first(group: BaseExceptionGroup[BaseException]) -> BaseException:
-    error: BaseException = group
-    while isinstance(error, BaseExceptionGroup):
-        error = error.exceptions[0]
-    return error
