@@ -7,13 +7,17 @@ import re
 from dataclasses import replace
 from functools import cache
 from importlib import resources
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from aioduco.errors import ParameterError
 from aioduco.kinematics.arm import Arm
 from aioduco.kinematics.geometry import LENGTHS, Geometry
 from aioduco.models.rules import FARTHEST, Number
 from aioduco.models.words import one_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
 
 _LENGTH = Number(unit="m", plausible=FARTHEST, source="this package")
 
@@ -60,6 +64,11 @@ def model_named(name: str) -> Arm | None:
     """The model with the name that a controller reports; None if it is not known."""
     fitting = [model for model in models() if same_arm(model, name)]
     return _model(fitting[0]) if fitting else None
+
+
+def arm_named(told: Iterable[str]) -> str:
+    """Name of an arm in recordings and files of waypoints, from the type that a robot reports."""
+    return " ".join(filter(None, [*told][:3]))
 
 
 def same_arm(one: str, other: str) -> bool:

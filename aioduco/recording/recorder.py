@@ -144,7 +144,6 @@ class RobotObserver(Uncopied):
         self._supervisor = supervisor
         self._forces = forces
         self._started = False
-        self._finished = False
         self._ended = anyio.Event()
         self._missed = 0
         self._gaps = MovingGaps()
@@ -226,9 +225,7 @@ class RobotObserver(Uncopied):
     async def _stop(self) -> None:
         await self._background.aclose()
         self._detach()
-        if not self._finished:
-            self._finished = True
-            self._writer.finish()
+        self._writer.finish()
         if not self._writer.begun:  # its start was cancelled before
             self._ended.set()
         with anyio.move_on_after(_CLOSE_LIMIT):

@@ -146,7 +146,7 @@ class FleetClient(Uncopied):
         Raises:
             ParameterError: the time is not above 0.
         """
-        _require_time(timeout)
+        TIMEOUT("timeout", timeout)
         begin = anyio.current_time()
         await self._until(lambda: not self._view(begin).missing, timeout)
         return self._view(begin)
@@ -179,7 +179,7 @@ class FleetClient(Uncopied):
         Raises:
             ParameterError: the time is not above 0, or no arm is named; nothing was sent.
         """
-        _require_time(timeout)
+        TIMEOUT("timeout", timeout)
         named = (arms,) if isinstance(arms, str) else arms  # its letters are no arms
         names = None if named is None else frozenset(named)
         if names is not None and not names:  # it would be confirmed that none of them moves
@@ -254,7 +254,3 @@ def _joined(one: StopReport, other: StopReport) -> StopReport:
             arms[arm.name] = arm
     note = "; ".join(filter(None, (one.note, other.note)))
     return StopReport(one.gateway, tuple(arms[name] for name in sorted(arms)), note)
-
-
-def _require_time(timeout: float) -> None:
-    TIMEOUT("timeout", timeout)

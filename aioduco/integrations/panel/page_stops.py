@@ -63,13 +63,9 @@ class PageStops:
         """Whether a stop is under way."""
         return bool(self._sent)
 
-    def begin(self) -> None:
-        """A page asks for a stop."""
-        self._begin()
-
     async def carry_out(self) -> str:
         """A request without a page asks for a stop; returns the reason if that failed."""
-        stopping = self._begin()
+        stopping = self.begin()
         await stopping.over.wait()
         return stopping.failed
 
@@ -78,7 +74,8 @@ class PageStops:
         for stopping in tuple(self._sent):
             await stopping.over.wait()
 
-    def _begin(self) -> _Stopping:
+    def begin(self) -> _Stopping:
+        """A page asks for a stop."""
         if self._next is not None:
             return self._next
         stopping = _Stopping()

@@ -71,12 +71,11 @@ from aioduco.integrations.panel.page_stops import PageStops
 from aioduco.integrations.panel.simulator_port import ask_simulator
 from aioduco.integrations.panel.twin_view import TWIN_RATE, parted_text, twin_line
 from aioduco.kinematics import arm as arm_of
-from aioduco.kinematics.catalogue import model_named
+from aioduco.kinematics.catalogue import arm_named, model_named
 from aioduco.models.host_port import host_port
 from aioduco.models.ranges import LISTEN_HOST
 from aioduco.models.rules import Number
 from aioduco.models.user_terms import in_terms_of
-from aioduco.recording.playback.player import arm_named
 from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:

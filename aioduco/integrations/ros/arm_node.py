@@ -26,7 +26,7 @@ from aioduco.integrations.ros.streamed_commands import Freedrive
 from aioduco.integrations.ros.trajectory_goals import GoalRules, NamedLimits
 from aioduco.integrations.ros.trajectory_server import GoalProgress, Through, TrajectoryServer
 from aioduco.integrations.ros.twist_commands import TwistCommands
-from aioduco.kinematics.catalogue import model_named, same_arm
+from aioduco.kinematics.catalogue import arm_named, model_named, same_arm
 from aioduco.models.rules import Number, stored
 from aioduco.models.words import one_of
 from aioduco.supervision.concurrency import every
@@ -366,7 +366,7 @@ async def arm_node(
 async def _compare_model(robot: Robot, model: str) -> None:
     """Say if the controller reports another model than the one whose limits goals have to keep."""
     try:
-        told = " ".join(filter(None, (await robot.version.get_robot_type())[:3]))
+        told = arm_named(await robot.version.get_robot_type())
     except DucoError:
         return  # this controller does not say
     if model_named(told) is not None and not same_arm(model, told):

@@ -345,11 +345,7 @@ class ArmServices:
             mass: its mass, without the tool's [kg].
             centre: its centre of mass in the tool's frame [m], three.
         """
-
-        async def run() -> None:
-            await self._robot.frames.set_load_data((mass, *centre))
-
-        return await _answered(run(), "set")
+        return await _answered(self._robot.frames.set_load_data((mass, *centre)), "set")
 
     async def movej(self, joints: Sequence[float], v: float, a: float) -> ServiceReply:
         """Move to joint angles, and wait for the end.

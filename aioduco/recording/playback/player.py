@@ -24,7 +24,7 @@ from aioduco.errors import (
     PathRefused,
     UnknownFunction,
 )
-from aioduco.kinematics.catalogue import arm_given, model_named, same_arm
+from aioduco.kinematics.catalogue import arm_given, arm_named, model_named, same_arm
 from aioduco.models.ranges import JOINT_SPEED
 from aioduco.models.rules import Number
 from aioduco.recording.playback.path_check import (
@@ -48,7 +48,6 @@ from aioduco.supervision.permits import asked_at_call
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Sequence
 
-    from aioduco.api.version import RobotType
     from aioduco.envelope import Envelope
     from aioduco.kinematics import Arm
     from aioduco.robot import Robot
@@ -174,11 +173,6 @@ async def reported_arm(robot: Robot) -> tuple[str, Arm | None]:
     except UnknownFunction:
         name = ""
     return name, model_named(name)
-
-
-def arm_named(told: RobotType) -> str:
-    """Name of an arm in recordings and files of waypoints."""
-    return " ".join(filter(None, told[:3]))
 
 
 def for_another_arm(made_with: str, this: str) -> str:

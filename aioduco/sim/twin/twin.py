@@ -25,7 +25,7 @@ from aioduco._process.spawn import MUJOCO_PACKAGES, Unstartable
 from aioduco._wire.owner_loop import loop_callback
 from aioduco.errors import DucoError, ParameterError, RobotStateError
 from aioduco.kinematics import arm as arm_of
-from aioduco.kinematics.catalogue import model_named
+from aioduco.kinematics.catalogue import arm_named, model_named
 from aioduco.kinematics.mounting import base_in_world, gravity
 from aioduco.models.pose import Pose
 from aioduco.models.rules import Flag
@@ -235,7 +235,7 @@ class Twin(Uncopied):
                 return []  # some controllers do not have the function
 
         if self._model is None:
-            told = " ".join(filter(None, map(str, list(await ask("get_robot_type"))[:3])))
+            told = arm_named(map(str, await ask("get_robot_type")))
             if (known := model_named(told)) is None:
                 raise RobotStateError(
                     f"the controller reports {told or 'no arm'}, which is not known here: give "
