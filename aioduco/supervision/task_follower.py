@@ -313,7 +313,8 @@ class TaskFollower:
             if task.life.continues_after_task:
                 paused = await self._arm.paused()
             else:
-                paused = TaskState.PAUSED is task.state is await self._state(task.id)
+                paused = task.state is TaskState.PAUSED
+                paused = paused and await self._state(task.id) is TaskState.PAUSED
             if paused:
                 raise TaskStopped(ending, None, "found the motion paused, and the arm was stopped")
 
