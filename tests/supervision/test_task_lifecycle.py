@@ -120,6 +120,16 @@ def test_idle_for_long_after_running_or_a_stop_means_that_the_controller_forgot_
     assert life.outcome is Outcome.UNKNOWN
 
 
+def test_a_motion_that_a_confirmed_stop_found_idle_moves_nothing() -> None:
+    life = TaskLifecycle()
+    life.observe(TaskState.IDLE)
+    assert not life.idle_after_stop
+    life.stop_confirmed()
+    assert life.idle_after_stop
+    life.observe(TaskState.RUNNING)
+    assert not life.idle_after_stop
+
+
 def test_idle_now_and_then_after_running_does_not() -> None:
     life = TaskLifecycle()
     for _ in range(2 * IDLE_AGAIN_LIMIT):
