@@ -5358,7 +5358,7 @@ class Optimization(_Section):
     def disable_vibration_control(self) -> None:
         """Do not damp vibrations as motions start and end (退出振动控制).
 
-        This setting remains after the end of the program.
+        This setting remains after the end of the program, until the controller starts again.
 
         Raises:
             TaskError, Refused: it was not switched.

@@ -11,6 +11,7 @@ from for_each import for_each
 from aioduco.models.enums import OperationMode, SafetyState, TaskState
 from aioduco.sim.cabinet.axis_schemes import Axis, SimulatedExternalAxes
 from aioduco.sim.controller.motion_queue import CAPACITY
+from aioduco.sim.controller.motion_settings import OptimizationSwitches
 
 from .fakes import CYCLE, Bench, FakeMover, impossible, leg
 
@@ -121,6 +122,15 @@ def test_restart_starts_and_initialises_and_ends_without_power(ready: Bench) -> 
     ready.until(note)
     assert seen == [6, 4, 0, 1]
     assert ready.state == [4, 0, 4, 1]
+
+
+def test_vibration_control_is_on_when_the_controller_has_started(ready: Bench) -> None:
+    other = OptimizationSwitches(speed=True, vibration=False)
+    ready.controller.optimization = other
+    ready.power("power_off")
+    assert ready.controller.optimization == other
+    ready.power("restart")
+    assert ready.controller.optimization == OptimizationSwitches()
 
 
 # -- motions -------------------------------------------------------------------------------------

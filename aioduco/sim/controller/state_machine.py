@@ -613,6 +613,7 @@ class Controller:
             self.halted = name == "shutdown"
             if name != "power_off":
                 self.heartbeat.disarm()
+                self.optimization = OptimizationSwitches()
                 self.recorder.stop()
                 self._leave_simulation()
 
