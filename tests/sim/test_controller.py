@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from aioduco.sim.cabinet.axis_schemes import Axis, SimulatedExternalAxes
 from aioduco.sim.controller.motion_queue import CAPACITY
 from aioduco.sim.controller.motion_settings import OptimizationSwitches
 
-from .fakes import CYCLE, Bench, FakeMover, impossible, leg
+from .fakes import CYCLE, Bench, FakeMover, FakeRun, impossible, leg
 
 
 @pytest.fixture
@@ -299,6 +300,19 @@ def test_a_motion_after_a_stop_waits_until_the_arm_stands(ready: Bench, how: str
     assert (ready.ended(after), ready.ended(last)) == (4, 4)
     assert ready.q[0] == 2.0
     assert ready.controller.idle
+
+
+def test_what_comes_as_a_stop_ends_is_behind_the_motions_that_wait(ready: Bench) -> None:
+    """Between the stop's last cycle and the next one, in which they begin."""
+    ready.begun()
+    stop = ready.controller.stop()
+    after = ready.controller.move("movej2", leg(1.0))
+    assert ready.ended(stop) == 4
+    last = ready.controller.move("movej2", leg(2.0))
+    run: Any = FakeRun(ready.controller, 3)
+    assert state(ready, ready.controller.run_program(run)) is TaskState.ILLEGAL
+    assert (ready.ended(after), ready.ended(last)) == (4, 4)
+    assert ready.q[0] == 2.0
 
 
 @pytest.mark.parametrize(

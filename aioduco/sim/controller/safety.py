@@ -92,11 +92,12 @@ class Admission:
             return reason
         if self._execution.active:
             return "a program is running"
-        return "" if self._motion.phase is MotionPhase.IDLE else "other motions are running"
+        idle = self._motion.phase is MotionPhase.IDLE and not self._deferred
+        return "" if idle else "other motions are running"
 
     def _taken(self, following: Following | None) -> str:
         """Why the motions in the queue admit no other one."""
-        ending = self._motion.ending
+        ending = self._motion.ending or bool(self._deferred)
         last = self._deferred.last if ending else self._motion.last
         if last is not None and last == following:
             return ""  # it takes over

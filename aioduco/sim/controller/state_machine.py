@@ -279,7 +279,7 @@ class Controller:
             return self.reject(name, TaskState.ILLEGAL, reason)
         motion = DeferredMotion(self.tasks.new(name), name, following, begin)
         self.last_motion = name
-        if self._ending:
+        if self._ending or self._deferred:  # those that wait begin in the next cycle
             self._deferred.add(motion)
         else:
             self._begin(motion)
