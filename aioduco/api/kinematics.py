@@ -13,6 +13,7 @@ from aioduco.api.section import Section
 from aioduco.errors import ControllerError, Unreachable
 from aioduco.models import ranges
 from aioduco.models.pose import Joints, JointsLike, Pose, PoseLike
+from aioduco.models.samples import joints as joints_of
 from aioduco.models.samples import pose as pose_of
 from aioduco.models.state import Vector, vector
 
@@ -136,9 +137,10 @@ class Kinematics(Section):
 
     async def _in_world(self, pose: Pose, wobj: Pose) -> Pose:
         """Convert a pose in a work object of the base frame into one of the world frame."""
-        tip = pose_of(await self._rpc.get_tcp_pose())
-        status = await self._rpc.getRobotStatus()
-        base = pose_of(status.cartActualPosition) @ tip.inverse()
+        status = await self._rpc.getRobotStatus()  # joints and pose of one instant
+        there = list(joints_of(status.jointActualPosition))
+        tip = await self._rpc.cal_fkine(there, [], [0.0] * 6)
+        base = pose_of(status.cartActualPosition) @ pose_of(tip).inverse()
         return wobj.inverse() @ base @ wobj @ pose
 
     async def reach_check(

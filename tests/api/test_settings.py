@@ -44,6 +44,20 @@ async def test_joints_are_led_back_with_the_same_frames(robot: aioduco.Robot, de
     assert checked.args == (HOME, [], OTHER)
 
 
+async def test_where_a_mounted_arms_base_is_does_not_depend_on_its_motion(
+    robot: aioduco.Robot, desk: Desk
+) -> None:
+    """The work object of cal_ikine is in the world, that of cal_fkine at the base."""
+    wall, wobj, pose = Pose(0, 0, 1, 0, math.pi / 2, 0), Pose(*OTHER), Pose(*POSE)
+    tips = {tuple(HOME): wall.inverse() @ wobj @ pose, tuple(NEAR): pose}
+    desk.answer("cal_ikine", HOME)
+    desk.answer("cal_fkine", lambda q, tool, wobj: [*Pose(*wobj).inverse() @ tips[tuple(q)]])
+    now = rpc.RobotStatus(jointActualPosition=NEAR, cartActualPosition=[*wall @ pose])
+    desk.answer("getRobotStatus", now)
+    desk.answer("get_tcp_pose", [*pose.shifted(z=0.01)])  # a moment earlier or later
+    assert await robot.kinematics.cal_ikine(pose, wobj=wobj) == Joints(*HOME)
+
+
 async def test_one_orientation_has_many_angles(robot: aioduco.Robot, desk: Desk) -> None:
     desk.answer("cal_ikine", HOME)
     desk.answer("cal_fkine", [*POSE[:3], POSE[3] - 2 * 3.141592653589793, *POSE[4:]])
