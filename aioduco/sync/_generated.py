@@ -6759,7 +6759,8 @@ def run_waypoints(
     """Move the arm through the waypoints of a file, one after another.
 
     Waypoints with a blend radius are sent ahead, so that the arm passes them without stopping. The
-    arm stops at a waypoint with a dwell time or with outputs. An interrupt (Ctrl-C) stops the arm.
+    arm stops at a waypoint with a dwell time or with outputs; a pause while it stands there ends
+    this, since nothing is paused that a resume would continue. An interrupt (Ctrl-C) stops the arm.
 
     Args:
         robot: the robot, open and brought up.

@@ -118,19 +118,22 @@ async def play(
     if found:
         raise refused(path.source.name, [str(each) for each in found])
     with robot.permit("play"):
-        here = np.asarray(await robot.state.get_actual_joints_position())
-        if approach is not None and np.abs(here - path.start.array).max() > _NEAR / 10:
-            await robot.motion.movej2(path.start, v=approach, a=2.0 * approach)
-        async with _outputs(robot, path.outputs if outputs else (), feedback) as told:
-            return await follow(
-                robot.motion,
-                robot.state.get_actual_joints_position,
-                path,
-                through=through,
-                tolerances=tolerances,
-                feedback=told,
-                options=options,
-            )
+        # a pause while the arm stands ends it: nothing is paused that would go on by a resume
+        with robot._permits.from_now("play"):
+            here = np.asarray(await robot.state.get_actual_joints_position())
+            if approach is not None and np.abs(here - path.start.array).max() > _NEAR / 10:
+                await robot.motion.movej2(path.start, v=approach, a=2.0 * approach)
+        with robot._permits.from_now("play"):
+            async with _outputs(robot, path.outputs if outputs else (), feedback) as told:
+                return await follow(
+                    robot.motion,
+                    robot.state.get_actual_joints_position,
+                    path,
+                    through=through,
+                    tolerances=tolerances,
+                    feedback=told,
+                    options=options,
+                )
 
 
 async def check_path_on(
@@ -281,7 +284,8 @@ async def run_waypoints(
     """Move the arm through the waypoints of a file, one after another.
 
     Waypoints with a blend radius are sent ahead, so that the arm passes them without stopping. The
-    arm stops at a waypoint with a dwell time or with outputs. A cancellation stops the arm.
+    arm stops at a waypoint with a dwell time or with outputs; a pause while it stands there ends
+    this, since nothing is paused that a resume would continue. A cancellation stops the arm.
 
     Args:
         robot: the robot, open and brought up.
@@ -315,10 +319,14 @@ async def run_waypoints(
     # a stop ends them all from now on, also during a dwell
     with robot.permit("run_waypoints"):
         ahead: list[MotionCommand] = []
+        asked = robot._permits.from_now("run_waypoints")
         for waypoint, motion in zip(waypoints.waypoints, motions, strict=True):
             ahead.append(motion)
             if waypoint.stops or motion is motions[-1]:
-                await robot.motion.run(*ahead)
+                with asked:
+                    await robot.motion.run(*ahead)
+                # so does a pause from now on: nothing is paused that would go on by a resume
+                asked = robot._permits.from_now("run_waypoints")
                 ahead.clear()
                 for num, value in waypoint.outputs.items():
                     await robot.io.set_standard_digital_out(num, value)

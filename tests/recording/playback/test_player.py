@@ -354,12 +354,20 @@ async def test_waypoints_that_are_not_reached_are_told_of_by_the_error_alone() -
 
 
 @pytest.mark.parametrize("ended", [aioduco.Robot.stop, aioduco.Robot.pause])
-@pytest.mark.parametrize("function", ["get_robot_type", "cal_fkine"])
-async def test_a_stop_or_a_pause_while_waypoints_are_checked_ends_them(
-    ended: Callable[[aioduco.Robot], Awaitable[object]], function: str
+@pytest.mark.parametrize(
+    ("function", "sent"), [("get_robot_type", 0), ("cal_fkine", 0), ("set_standard_digital_out", 3)]
+)
+async def test_a_stop_or_a_pause_while_the_arm_stands_ends_waypoints(
+    ended: Callable[[aioduco.Robot], Awaitable[object]], function: str, sent: int
 ) -> None:
-    """They were asked for before it: what is computed meanwhile does not make them newer."""
-    answers = {"get_robot_type": ["GCR5 910", "", ""], "cal_fkine": [0.5, 0.1, 0.6, 3.1, 0, -1.5]}
+    """They were asked for before it: what is done meanwhile does not make them newer."""
+    answers = {
+        "get_robot_type": ["GCR5 910", "", ""],
+        "cal_fkine": [0.5, 0.1, 0.6, 3.1, 0, -1.5],
+        "set_standard_digital_out": 4,
+    }
+    file = waypoints()
+    file.add("behind", HOME)
     with Bench() as bench:
         for name, answer in answers.items():
             bench.answer(name, answer)
@@ -371,22 +379,25 @@ async def test_a_stop_or_a_pause_while_waypoints_are_checked_ends_them(
 
             async def run() -> None:
                 with pytest.raises(aioduco.TaskStopped):
-                    await run_waypoints(robot, waypoints())
+                    await run_waypoints(robot, file)
 
             tasks.start_soon(run)
             await eventually_async(lambda: bool(bench.received(function)))
             await ended(robot)
             gate.set()
-        assert not bench.received("movej2")
+        assert len(bench.received("movej2")) + len(bench.received("movel")) == sent
 
 
-async def test_a_pause_while_a_path_is_checked_ends_it(tmp_path: Path) -> None:
+@pytest.mark.parametrize("function", ["get_robot_type", "get_actual_joints_position"])
+async def test_a_pause_while_the_arm_stands_ends_a_path(tmp_path: Path, function: str) -> None:
     path = RecordedPath.of(read(write(tmp_path / "run.mcap")))
+    answers = {"get_robot_type": ["GCR5 910", "", ""], "get_actual_joints_position": list(FAR)}
     with Bench() as bench:
-        gate = bench.hold("get_robot_type", ["GCR5 910", "", ""])
+        bench.answer("get_robot_type", answers["get_robot_type"])
+        gate = bench.hold(function, answers[function])
         async with aioduco.connect(bench.host, bench.port) as robot:
-            begun = asyncio.ensure_future(play(robot, path))
-            await eventually_async(lambda: bool(bench.received("get_robot_type")))
+            begun = asyncio.ensure_future(play(robot, path, approach=0.5))
+            await eventually_async(lambda: bool(bench.received(function)))
             await robot.pause()
             gate.set()
             with pytest.raises(aioduco.TaskStopped):
