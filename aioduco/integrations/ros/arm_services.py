@@ -201,7 +201,7 @@ class ArmServices:
 
         async def run() -> None:
             force = self._robot.force
-            with self._robot.permit("start_force_mode"):
+            with self._robot._permits.from_now("start_force_mode"):  # a pause ends it, too
                 await force.fc_config(
                     selection,
                     [-each for each in wrench],
@@ -256,7 +256,7 @@ class ArmServices:
             return await self.resume()
 
         async def run() -> str:
-            with self._robot.permit("play"):
+            with self._robot._permits.from_now("play"):  # a pause ends it, too
                 states = await self._robot.state.get_robot_state()
                 if states.program is ProgramState.PAUSED:
                     return await self._resumed()

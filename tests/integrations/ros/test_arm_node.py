@@ -23,6 +23,7 @@ from aioduco.api.state import State
 from aioduco.errors import ConnectionLost, ParameterError
 from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings, arm_node
 from aioduco.integrations.ros.arm_readings import DiagnosisLevel, diagnosis, placed_frames
+from aioduco.integrations.ros.arm_services import ArmServices
 from aioduco.integrations.ros.trajectory_goals import (
     ErrorCode,
     GoalPoint,
@@ -262,8 +263,11 @@ async def test_after_a_stop_no_goal_begins_or_goes_on(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("service", ["start_force_mode", "play"])
-async def test_after_a_stop_no_service_goes_on_to_move_the_arm(
-    node: ArmNode, sim: Simulator, monkeypatch: pytest.MonkeyPatch, service: str
+@pytest.mark.parametrize(
+    ("halt", "was"), [(ArmServices.stop, "stopped"), (ArmServices.pause, "paused")]
+)
+async def test_after_a_stop_or_a_pause_no_service_goes_on_to_move_the_arm(
+    node: ArmNode, monkeypatch: pytest.MonkeyPatch, service: str, halt: Any, was: str
 ) -> None:
     """Of one that had not sent its motion yet."""
     section, name = {
@@ -271,22 +275,22 @@ async def test_after_a_stop_no_service_goes_on_to_move_the_arm(
     }[service]  # fmt: skip
     call = getattr(section, name)
 
-    async def stopped_meanwhile(self: Any) -> Any:
+    async def halted_meanwhile(self: Any) -> Any:
         answer = await call(self)
         monkeypatch.undo()
-        assert (await node.services.stop()).success
+        assert (await halt(node.services)).success
         return answer
 
     services = node.services
     assert (await services.load_program("wave")).success
-    monkeypatch.setattr(section, name, stopped_meanwhile)
+    monkeypatch.setattr(section, name, halted_meanwhile)
     if service == "play":
         reply = await services.play()
     else:
         pushed = (0.0, 0.0, 5.0, 0.0, 0.0, 0.0)
         reply = await services.start_force_mode((True,) * 6, pushed, (0.0,) * 6, (0.0,) * 6, 0)
     assert not reply.success, reply.message
-    assert "not sent, since the arm was stopped" in reply.message
+    assert f"not sent, since the arm was {was}" in reply.message
     assert not node.robot.tasks
     assert not await node.robot.force.fc_mode_is_active()
 
