@@ -139,6 +139,8 @@ class SimulationRuntime(PlantChanges):
         self._changer: int | None = None
         self._holds: dict[object, float] = {}
         self._lasting: set[object] = set()
+        #: real time of the first command that no cycle has taken yet [s]
+        self._given_at = math.inf
         #: real time at which a hold that had stopped simulated time was last released [s]
         self._released_at = -math.inf
         self._holding = threading.Condition()
@@ -219,6 +221,7 @@ class SimulationRuntime(PlantChanges):
             before = controller.unplanned
             yield controller
             came = controller.unplanned
+            self._given_at = min(self._given_at, time.monotonic())
         self._wake.set()
         if came is not None and came != before:
             self.planning.plan(came)
@@ -584,6 +587,7 @@ class SimulationRuntime(PlantChanges):
             if controller.unplanned is not None:
                 self._wait_for_plans()
             cycles = self._idle_cycles() if idle else 1
+            self._given_at = math.inf
             self._count += cycles
             at = self._count * self.cycle
             if at - self._warm_at >= _WARMING:
@@ -636,12 +640,12 @@ class SimulationRuntime(PlantChanges):
         """Number of cycles that pass in which nothing happens. Call under the lock.
 
         A caller that holds simulated time and gives a command reads the time at which the
-        controller receives the command. So no command comes between this and the tick. Real time
-        before the release of a hold is not caught up with, even if this thread did not notice the
-        hold.
+        controller receives the command. So no command comes between this and the tick, and the time
+        after one passes behind the tick. Real time before the release of a hold is not caught up
+        with, even if this thread did not notice the hold.
         """
         self._pace.drop(self._released_at)
-        return min(self._pace.due(time.monotonic()), self._allowed())
+        return min(self._pace.due(min(time.monotonic(), self._given_at)), self._allowed())
 
     def _wait_for_plans(self) -> None:
         """Plan all motions where time has no fixed pace; the lock is held on entry and return."""

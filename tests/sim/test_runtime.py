@@ -353,6 +353,24 @@ def test_a_command_of_who_holds_time_comes_at_the_time_that_is_read(
     assert all(locked)  # so that no command comes between these cycles and their tick
 
 
+def test_no_time_after_a_command_passes_before_it_counts(
+    arm: Follower, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also while nothing happens, at a speed at which much passes until the thread runs."""
+    runtime = SimulationRuntime(controller_of(FakeMover), cast("World", arm), speed=1000.0)
+    wall = 0.0
+    monkeypatch.setattr(module, "time", SimpleNamespace(monotonic=lambda: wall))
+    runtime._pace.begin(wall, idle=True)
+    passed = []
+    wall = 0.0205
+    give(runtime)
+    wall = 0.0505
+    for _ in range(2):
+        passed.append(runtime._tick(wall, idle=True))
+        runtime._pace.ran(passed[-1])
+    assert passed == [20_500, 30_000]
+
+
 def _given_up(log: pytest.LogCaptureFixture, times: int) -> bool:
     return log.text.count("and goes on") == times
 
