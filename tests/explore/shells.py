@@ -268,6 +268,8 @@ class Run(ArmWorld):
         self._ids: dict[int, Command] = {}
         #: whether a motion in a mode breaks the promise
         self.apart = False
+        #: whether the program has ended
+        self.ended = False
         self.breaks = self.arrivals = 0
         #: of what may happen now, what only defers something
         self._holds: list[Callable[[], object]] = []
@@ -302,7 +304,9 @@ class Run(ArmWorld):
             if not events:
                 self._fail(RuntimeError("nothing happens any more"))
                 return
-            number = self._choices.choose(len(events)) if len(events) > 1 else 0
+            number = 0
+            if len(events) > 1 and not self._only_watched:
+                number = self._choices.choose(len(events))
             try:
                 events[number]()
                 self.check()
@@ -310,6 +314,15 @@ class Run(ArmWorld):
                 self._fail(exc)
             if events[number] not in self._holds:
                 return
+
+    @property
+    def _only_watched(self) -> bool:
+        """Whether all is over but that the standing arm is looked at: in whatever order."""
+        return (
+            self.ended
+            and not (self.controller.movers or self.controller.queue or self.controller.slow)
+            and not any(one.call or one.gone or one.name in _COMMANDS for one in self._wire)
+        )
 
     def _events(self, timeout: float | None) -> list[Callable[[], object]]:
         """What may happen, first what comes without a choice."""
@@ -471,6 +484,7 @@ class Run(ArmWorld):
             # the loop's time is made up: it passes at once, and nothing waits for a clock
             while self.acts or any(not task.done() for task in self.watched):  # noqa: ASYNC110
                 await asyncio.sleep(0.05)
+            self.ended = True
             # in that time, too: what is still on its way arrives
             await asyncio.sleep(6.0)
             await robot.background.aclose()
