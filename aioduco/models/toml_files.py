@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
     import os
+    from collections.abc import Iterable
 
 _TEXT: Final = r"""(?:"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
 _PART: Final = rf"(?:[\w-]++|{_TEXT})"
@@ -105,6 +106,11 @@ def quoted(text: str) -> str:
     """A text as TOML writes it; a lone surrogate, as of a file's name, becomes U+FFFD."""
     whole = text.encode("utf-8", "surrogatepass").decode("utf-8", "replace")
     return f'"{_ESCAPED.sub(lambda found: _escape(found[0]), whole)}"'
+
+
+def listed(values: Iterable[float]) -> str:
+    """Numbers as TOML writes them in a list, to four decimals."""
+    return ", ".join(f"{round(value, 4) + 0.0:.4f}".rstrip("0").rstrip(".") for value in values)
 
 
 def _escape(char: str) -> str:

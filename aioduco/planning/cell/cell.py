@@ -14,7 +14,7 @@ from aioduco.models.points import Point, TaughtPoints
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.ranges import OWN_NAME
 from aioduco.models.similar import did_you_mean, unknown
-from aioduco.models.toml_files import key_text, parse_toml, quoted, read_text, rewrite
+from aioduco.models.toml_files import key_text, listed, parse_toml, quoted, read_text, rewrite
 from aioduco.models.toml_lines import Statement, key_end, line_of, statements
 from aioduco.planning.cell import sections
 from aioduco.planning.cell.sections import CellRobot, CellTool, WrongField
@@ -374,12 +374,8 @@ def _field(point: Point) -> str:
     """A point as a field of the file."""
     turned = [math.degrees(each) for each in (point if isinstance(point, Joints) else point[3:])]
     if isinstance(point, Joints):
-        return f"joints_deg = [{_listed(turned)}]"
-    return f"pose_mm_deg = [{_listed([each * 1e3 for each in point[:3]])}, {_listed(turned)}]"
-
-
-def _listed(values: list[float]) -> str:
-    return ", ".join(f"{round(value, 4) + 0.0:.4f}".rstrip("0").rstrip(".") for value in values)
+        return f"joints_deg = [{listed(turned)}]"
+    return f"pose_mm_deg = [{listed([*(each * 1e3 for each in point[:3]), *turned])}]"
 
 
 def _with_point(text: str, name: str, field: str, frame: str) -> str:

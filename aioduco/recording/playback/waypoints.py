@@ -15,7 +15,7 @@ from aioduco.models import ranges
 from aioduco.models.bounds import least, most
 from aioduco.models.pose import Joints, JointsLike
 from aioduco.models.similar import did_you_mean
-from aioduco.models.toml_files import parse_toml, quoted, read_text, rewrite
+from aioduco.models.toml_files import listed, parse_toml, quoted, read_text, rewrite
 from aioduco.models.toml_lines import line_of
 
 if TYPE_CHECKING:
@@ -209,9 +209,8 @@ class WaypointFile:
             WaypointFileError: a waypoint cannot follow the end of the text.
         """
         ranges.OWN_NAME_OR_NONE("name", name)
-        angles = [round(math.degrees(each), 4) for each in ranges.JOINTS("joints", joints)]
-        listed = ", ".join(f"{angle + 0.0:.4f}".rstrip("0").rstrip(".") for angle in angles)
-        block = f"\n[[waypoint]]\nname = {quoted(name)}\njoints_deg = [{listed}]\n"
+        angles = listed(map(math.degrees, ranges.JOINTS("joints", joints)))
+        block = f"\n[[waypoint]]\nname = {quoted(name)}\njoints_deg = [{angles}]\n"
         if "\r\n" in self.text:
             block = block.replace("\n", "\r\n")
         gap = "" if self.text.endswith("\n") or not self.text else "\n"
