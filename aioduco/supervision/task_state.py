@@ -94,7 +94,7 @@ class JointEta:
         """
         if self.a is None:
             return None
-        way = max(abs(end - begin) for begin, end in zip(start, self.target, strict=False))
+        way = max(abs(end - begin) for begin, end in zip(start, self.target, strict=True))
         if way >= self.v * self.v / self.a:
             return way / self.v + self.v / self.a
         return 2.0 * math.sqrt(way / self.a)
@@ -106,8 +106,8 @@ class JointEta:
             start: joints at which it began. Shape (6,) [rad].
             now: joints now. Shape (6,) [rad].
         """
-        way = [end - begin for begin, end in zip(start, self.target, strict=False)]
-        gone = [here - begin for begin, here in zip(start, now, strict=False)]
+        way = [end - begin for begin, end in zip(start, self.target, strict=True)]
+        gone = [here - begin for begin, here in zip(start, now, strict=True)]
         square = sum(step * step for step in way)
         if square == 0.0:
             return 1.0  # it began at its target

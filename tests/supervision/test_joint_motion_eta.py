@@ -41,11 +41,6 @@ def test_the_part_is_never_more_than_all_or_less_than_nothing() -> None:
     assert ETA.part(ETA.target, START) == 1.0  # there was no way to go
 
 
-def test_external_axes_of_the_controller_have_no_part_in_it() -> None:
-    assert ETA.seconds((*START, 9.9)) == ETA.seconds(START)
-    assert ETA.part((*START, 9.9), (*START, 0.0)) == 0.0
-
-
 @pytest.mark.slow
 async def test_a_task_tells_how_far_it_is_and_when_it_ends() -> None:
     target = [0.5, 0.0, 1.57, 0.0, -1.57, 0.0]

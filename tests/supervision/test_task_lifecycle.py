@@ -121,13 +121,11 @@ def test_idle_for_long_after_running_or_a_stop_means_that_the_controller_forgot_
 
 
 def test_a_motion_that_a_confirmed_stop_found_idle_moves_nothing() -> None:
-    life = TaskLifecycle()
-    life.observe(TaskState.IDLE)
-    assert not life.idle_after_stop
-    life.stop_confirmed()
-    assert life.idle_after_stop
-    life.observe(TaskState.RUNNING)
-    assert not life.idle_after_stop
+    life, moves_nothing = TaskLifecycle(), []
+    for step in (TaskLifecycle.stop_confirmed, lambda it: it.observe(TaskState.RUNNING)):
+        moves_nothing.append(life.idle_after_stop)
+        step(life)
+    assert [*moves_nothing, life.idle_after_stop] == [False, True, False]
 
 
 def test_idle_now_and_then_after_running_does_not() -> None:

@@ -200,8 +200,8 @@ class ArmServices:
         """
 
         async def run() -> None:
-            force = self._robot.force
-            with self._robot._permits.from_now("start_force_mode"):  # a pause ends it, too
+            force, halts = self._robot.force, self._halts
+            with self._robot.permit("start_force_mode"):
                 await force.fc_config(
                     selection,
                     [-each for each in wrench],
@@ -212,6 +212,7 @@ class ArmServices:
                 self._force_mode = True  # also if it is not known whether it begins
                 try:
                     await force.fc_start()
+                    self._require_no_halt(halts, "fc_move")
                     await force.fc_move().start()
                 except DucoError as error:
                     await self._end_force_control(error)
@@ -256,8 +257,10 @@ class ArmServices:
             return await self.resume()
 
         async def run() -> str:
-            with self._robot._permits.from_now("play"):  # a pause ends it, too
+            halts = self._halts
+            with self._robot.permit("play"):
                 states = await self._robot.state.get_robot_state()
+                self._require_no_halt(halts, "play")
                 if states.program is ProgramState.PAUSED:
                     return await self._resumed()
                 if not self._program:
@@ -288,6 +291,11 @@ class ArmServices:
     async def program_state(self) -> ServiceReply:
         """The program's state, by its name."""
         return await self._named("program")
+
+    def _require_no_halt(self, before: int, name: str) -> None:
+        """Check that the arm was not halted since: a pause of a standing arm pauses nothing."""
+        if self._halts != before:
+            raise DucoError(f"{name} was not sent, since the arm was stopped or paused")
 
     def _halted(self) -> None:
         self._halts += 1
