@@ -23,6 +23,7 @@ from aioduco.errors import (
     FirstPointTooFar,
     ParameterError,
     StreamError,
+    StreamLost,
     StreamRefused,
     StreamStarved,
     StreamStopped,
@@ -32,7 +33,7 @@ from aioduco.models.pose import Pose
 from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.streaming.shared.words import Reason, StreamState
 from aioduco.streaming.stream import Stream
-from aioduco.testing import eventually, eventually_async, no_leaks
+from aioduco.testing import RecordingServer, eventually, eventually_async, no_leaks
 
 from .conftest import HERE, Controller, Cycles, answer_all, at, fed, near
 
@@ -240,9 +241,20 @@ async def test_a_queue_from_which_nothing_is_taken_any_more_ends_the_stream(
     assert controller.names()[-2:] == ["end_realtime_mode", "stop"]
 
 
-@pytest.mark.parametrize("halted", [True, False])
+@pytest.mark.parametrize(
+    ("end", "error"),
+    [
+        (lambda stream, _: stream.halt(), StreamStopped),
+        (lambda _, server: server.answer("get_robot_state", [5, 0, 9, 1]), StreamRefused),
+        (lambda _, server: server._server.drop(), StreamLost),
+    ],
+    ids=["halt", "disabled", "lost"],
+)
 async def test_an_end_while_the_last_points_are_followed_is_told(
-    controller: Controller, queue: Cycles, *, halted: bool
+    controller: Controller,
+    queue: Cycles,
+    end: Callable[[Stream, RecordingServer], object],
+    error: type[StreamError],
 ) -> None:
     """The arm is not where the program has led it, and what follows must not begin from there."""
     opened = of_positions(controller, options=dataclasses.replace(THREAD, watch=0.02))
@@ -250,17 +262,14 @@ async def test_an_end_while_the_last_points_are_followed_is_told(
     def left() -> int:
         return 40 if opened.state is StreamState.DECELERATING else 20
 
-    async def end() -> None:
+    async def ended() -> None:
         await eventually_async(lambda: opened.state is StreamState.DECELERATING)
-        if halted:
-            opened.halt()
-        else:
-            controller.server.answer("get_robot_state", [5, 0, 9, 1])
+        end(opened, controller.server)
 
     controller.server.answer("get_realtime_data_queue_size", left)
     async with anyio.create_task_group() as tasks:
-        tasks.start_soon(end)
-        with pytest.raises(StreamStopped if halted else StreamRefused):
+        tasks.start_soon(ended)
+        with pytest.raises(error):
             await fed(opened, [HERE] * 50)
 
 

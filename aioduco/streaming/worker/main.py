@@ -130,7 +130,8 @@ class StreamWorker:
             reason, text = Reason.FAILED, traceback.format_exc()[-900:]
         if self._driver is not None:
             life = self._driver.life
-            reason, text = life.reason or reason, life.text or text
+            life.end(reason or life.reason, text or life.text)
+            reason, text = life.reason, life.text
             with contextlib.suppress(DucoError):
                 self._driver.publish()
         try:
