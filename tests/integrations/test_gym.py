@@ -154,6 +154,16 @@ def test_a_scripted_policy_solves_both_alike(made: Callable[..., Any], task: str
 
 
 @pytest.mark.slow
+def test_an_arm_that_is_wedged_is_left_all_the_same(made: Callable[..., Any]) -> None:
+    """It shakes at the pad's edge, and would do so for ever."""
+    env = made("aioduco/Press-wire-v0")
+    env.reset(seed=1)
+    for step in range(30):
+        env.step(np.array([0.2 * np.sin(step / 5), 0.1, -0.9 if step < 20 else -0.3]))
+    env.close()
+
+
+@pytest.mark.slow
 def test_two_processes_step_as_one(made: Callable[..., Any]) -> None:
     several = gymnasium.make_vec("aioduco/Reach-v0", num_envs=2, vectorization_mode="async")
     try:

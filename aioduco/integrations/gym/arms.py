@@ -7,6 +7,7 @@ way, and a policy that was learned on one works on the other.
 
 from __future__ import annotations
 
+import contextlib
 import math
 from typing import TYPE_CHECKING
 
@@ -227,6 +228,9 @@ class ControllerArm:
             return
         try:
             simulator.unlock_time()
+            with contextlib.suppress(Refusal):  # the simulation may have failed
+                # An arm that is wedged never stands by itself: the brakes hold it.
+                simulator.emergency_stop()
             if robot is not None:
                 robot.__exit__(None, None, None)
         finally:
