@@ -45,10 +45,10 @@ class ArmEnv(Uncopied, gymnasium.Env[dict[str, Any], Any]):
     Args:
         task: "Reach", "Push", "PickPlace" or "Press".
         wire: whether to use the whole simulated controller.
-        actions: "cartesian": step of the tip along x, y, z, where 1 is 15 mm, the tool upright;
-            or "joints", where 1 is 0.04 rad. Targets outside the space of the task are not reached:
-            cartesian ones are clipped to it, joint ones ignored. With a gripper there is one more
-            number: above 0 it opens, below 0 it closes.
+        actions: "cartesian": step of the tip along x, y, z, where 1 is 15 mm for an arm of 910 mm,
+            the tool upright; or "joints", where 1 is 0.04 rad. Targets outside the space of the
+            task are not reached: cartesian ones are clipped to it, joint ones ignored. With a
+            gripper there is one more number: above 0 it opens, below 0 it closes.
         observations: "state", "pixels", or "both".
         reward: "sparse": 0 at the goal, else -1; or "dense": minus the distance to the goal.
         model: the arm; `aioduco.kinematics.models()` lists them.
