@@ -50,11 +50,6 @@ class Graph(Programs):
         eventually(answers)
         return process
 
-    def restart_master(self) -> None:
-        """Start it again at the same address, after it was killed."""
-        self.master.wait()
-        self.master = self.start_master()
-
     def start_node(
         self, sim: Any, *given: str, program: Sequence[str] = ("-m", "aioduco.cli")
     ) -> subprocess.Popen[str]:
