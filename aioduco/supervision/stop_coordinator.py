@@ -528,7 +528,7 @@ class StopCoordinator:
         of_mode = name in self.modes
         try:
             try:
-                await self.follower.require_unpaused(name, continuous)
+                await self.follower.require_unpaused(name, continuous, mode=of_mode)
                 for task in continuous:
                     task.life.end_sent()
                 await (step() if step is not None else self._controlled(name))

@@ -297,26 +297,27 @@ class TaskFollower:
         if last.done:
             last.result()
 
-    async def require_unpaused(self, ending: str, motions: Sequence[Task]) -> None:
+    async def require_unpaused(
+        self, ending: str, motions: Sequence[Task], *, mode: bool = False
+    ) -> None:
         """Check that none of the motions that a function ends is paused.
 
         Args:
             ending: the function of the wire.
             motions: the motions.
+            mode: whether it ends a mode, which has no task.
 
         Raises:
             TaskStopped: one is, and must be stopped: once it is over, the program goes on.
         """
-        for task in motions:
-            if task.done:
-                continue
-            if task.life.continues_after_task:
-                paused = await self._arm.paused()
-            else:
-                paused = task.state is TaskState.PAUSED
-                paused = paused and await self._state(task.id) is TaskState.PAUSED
-            if paused:
-                raise TaskStopped(ending, None, "found the motion paused, and the arm was stopped")
+        live = [task for task in motions if not task.done]
+        asked = mode or any(task.life.continues_after_task for task in live)
+        paused = asked and await self._arm.paused()
+        for task in live:
+            if task.state is TaskState.PAUSED:
+                paused = paused or await self._state(task.id) is TaskState.PAUSED
+        if paused:
+            raise TaskStopped(ending, None, "found the motion paused, and the arm was stopped")
 
     async def motions_ended(self) -> None:
         """Poll the motions at once, and wait until they have ended, for a second at most."""

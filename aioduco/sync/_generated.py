@@ -1070,7 +1070,7 @@ class Motion(_Section):
         interrupted, the arm is stopped as by `Robot.stop`.
 
         Raises:
-            TaskError: the controller did not end them.
+            TaskError: the controller did not end them, or they were paused: the arm was stopped.
             StopUnconfirmed: it is not known that the arm stands.
 
         Manual section 1.3.5.
@@ -1296,7 +1296,7 @@ class Motion(_Section):
         if this is interrupted, the arm is stopped as by `Robot.stop`.
 
         Raises:
-            TaskError: the controller did not end it.
+            TaskError: the controller did not end it, or it was paused: the arm was stopped.
             StopUnconfirmed: it is not known that the arm stands.
 
         Manual section 1.3.5.
@@ -1343,7 +1343,7 @@ class Motion(_Section):
         arm is stopped as by `Robot.stop`.
 
         Raises:
-            TaskError: the controller did not end it.
+            TaskError: the controller did not end it, or it was paused: the arm was stopped.
             StopUnconfirmed: it is not known that the arm stands.
 
         Manual section 1.3.5.
@@ -3852,7 +3852,7 @@ class Realtime(_Section):
         the arm is stopped as by `Robot.stop`.
 
         Raises:
-            TaskError: the controller did not end it.
+            TaskError: the controller did not end it, or it was paused: the arm was stopped.
             StopUnconfirmed: it is not known that the arm stands.
 
         Manual section 1.3.15.

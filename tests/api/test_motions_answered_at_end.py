@@ -11,7 +11,7 @@ from client.bench import HOME, POSE
 from moments import cancelled_once
 
 import aioduco
-from aioduco import HeartbeatState, RealtimeMode, RealtimePoint, TaskState
+from aioduco import HeartbeatState, ProgramState, RealtimeMode, RealtimePoint, TaskState
 from aioduco.testing import Cut, FaultProxy, Place, eventually_async
 from api.desk import Desk
 
@@ -264,6 +264,17 @@ async def test_realtime_mode_that_cannot_be_ended_becomes_a_stop(
     with pytest.raises(aioduco.TaskFailed, match="end_realtime_mode"):
         await robot.realtime.end_realtime_mode()
     assert "stop" in realtime.commands
+
+
+async def test_realtime_mode_that_somebody_has_paused_becomes_a_stop(
+    robot: aioduco.Robot, realtime: Desk
+) -> None:
+    """The arm is on its way, and the program's next motion would move it from there."""
+    await robot.realtime.start_realtime_mode(RealtimeMode.TWIST)
+    realtime.states[1] = ProgramState.PAUSED
+    with pytest.raises(aioduco.TaskStopped, match="paused"):
+        await robot.realtime.end_realtime_mode()
+    assert realtime.commands[1:] == ["stop", "end_realtime_mode", "stop"]
 
 
 async def test_a_mode_that_is_not_entered_says_why(robot: aioduco.Robot, realtime: Desk) -> None:

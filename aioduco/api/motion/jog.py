@@ -80,7 +80,7 @@ class Jogging(Section):
         if this is cancelled, the arm is stopped as by `Robot.stop`.
 
         Raises:
-            TaskError: the controller did not end it.
+            TaskError: the controller did not end it, or it was paused: the arm was stopped.
             StopUnconfirmed: it is not known that the arm stands.
 
         Manual section 1.3.5.

@@ -141,7 +141,7 @@ class Velocity(Section):
         cancelled, the arm is stopped as by `Robot.stop`.
 
         Raises:
-            TaskError: the controller did not end them.
+            TaskError: the controller did not end them, or they were paused: the arm was stopped.
             StopUnconfirmed: it is not known that the arm stands.
 
         Manual section 1.3.5.
