@@ -93,7 +93,8 @@ such a controller ignores and takes for zero: do not call them on it. `fc_move` 
 `robot.blocking.fc_move`, since `robot.force.fc_move` is stopped as one that is not answered. The
 oldest does not know `Op.on_stop`: **an output that a stop is to switch is not switched**. In the
 oldest, `getRobotIOStatus` has fewer lists, under other field numbers. An answer that does not fit
-the present numbers is read by those; the lists that are missing are empty."""
+the present numbers is read by those; the lists that are missing are empty. With `active` false
+`robot.frames.set_wobj_offset` sends an offset of zero, which ends a shift on the oldest, too."""
 
 NEWER = """
 ## Manual 4.3
