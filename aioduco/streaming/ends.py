@@ -51,8 +51,8 @@ _TOO_FAR = (
     "sent. Move there first, or begin the stream at the arm's own position"
 )
 _REFUSED = (
-    "the controller does not follow any more, and was told to stop. See its errors, and the "
-    "robot's state"
+    "the controller does not follow any more; if anything was sent that moves the arm, it was told "
+    "to stop. See its errors, and the robot's state"
 )
 _CONNECTION = (
     "the stream's connection failed; if anything was sent, a stop was tried over a new one. Look "

@@ -227,6 +227,15 @@ async def test_a_refused_mode_is_an_error_and_nothing_moves(
     assert controller.server.received("get_tcp_pose_coord")[0].args == ("", "")
 
 
+async def test_where_nothing_was_sent_that_moves_the_arm_nothing_is_stopped(
+    controller: Controller, queue: Cycles
+) -> None:
+    controller.server.answer("clear_realtime_data_queue", 7)
+    with pytest.raises(StreamRefused, match="if anything was sent that moves the arm"):
+        await fed(of_positions(controller), [HERE])
+    assert not controller.server.received("stop")
+
+
 @pytest.mark.slow
 async def test_a_queue_from_which_nothing_is_taken_any_more_ends_the_stream(
     controller: Controller, queue: Cycles
