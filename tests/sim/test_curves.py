@@ -188,6 +188,21 @@ def test_a_trigger_after_the_end(sim: Simulator, robot: Program) -> None:
     assert robot.get_standard_digital_out(7)
 
 
+def test_the_way_after_a_motion_is_that_of_its_own_tool(robot: Program) -> None:
+    for name, length in (("long", 0.1), ("used", 0.0)):
+        tip = [0.0, 0.0, length, 0.0, 0.0, 0.0]
+        assert robot.set_tool_data(name, tip, [0.0] * 4, [0.0] * 6) == TaskState.FINISHED
+    later = Op(time_or_dist_2=2, trig_dist_2=-0.01, trig_io_2=7, trig_value_2=True)
+    for step, op, fired in (
+        ([0.0, 0.0, -0.02, 0.0, 0.0, 0.0], later, False),
+        ([0.0, 0.0, 0.0, 0.3, 0.0, 0.0], Op(), False),  # about the tip of "long"
+        ([0.0, 0.0, -0.02, 0.0, 0.0, 0.0], Op(), True),
+    ):
+        done = robot.tcp_move(step, 0.5, 2.0, 0.0, "long", True, op, False)
+        assert done == TaskState.FINISHED
+        assert robot.get_standard_digital_out(7) is fired
+
+
 @pytest.mark.usefixtures("real_cycle")
 @pytest.mark.parametrize("how", ["pause", "stop", "abort"])
 @pytest.mark.parametrize("late", [0.0, 20.0])

@@ -108,7 +108,8 @@ class PathSection(HandlerSection):
         """Queue a motion: see `motion`."""
 
         def command(controller: Controller) -> int:
-            tool = self._frames.tool().matrix
+            named = getattr(call, "tool", "")  # motions to joint angles name none
+            tool = self._frames.tool(named).matrix
 
             def tip(q: Array) -> Array:
                 return (self._arm.fkine(q) @ tool)[:3, 3]
