@@ -59,7 +59,7 @@ SETTINGS = frozenset(
         *("speed", "set_blend_ahead", "set_tool_data", "set_wobj", "set_wobj_offset"),
         *("set_load_data", "enable_speed_optimization", "disable_speed_optimization"),
         *("enable_acc_optimization", "disable_acc_optimization", "enable_singularity_control"),
-        *("disable_singularity_control",),
+        *("disable_singularity_control", "enable_vibration_control", "disable_vibration_control"),
     )
 )
 #: commands that end or hold motions

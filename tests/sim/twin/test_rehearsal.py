@@ -65,6 +65,17 @@ def test_a_setting_holds_for_the_next_begin() -> None:
     assert slow == pytest.approx(2.0 * duration(plain), rel=0.1)
 
 
+def test_a_line_past_a_singularity_is_rehearsed_with_vibration_control_off() -> None:
+    start, end = ((0.0, 0.3, 1.2, 0.0, bend, 0.0) for bend in (0.2, -0.2))
+    to, near = list(Pose.from_matrix(ARM.fkine(end))), list[float]()
+    line = (to, 0.1, 1.0, 0.0, near, "", "", False, Op(), False)
+    rehearsal = Rehearsal(ARM)
+    for setting in ("enable_singularity_control", "disable_vibration_control"):
+        rehearsal.command(TwinCommand(0.0, setting, (), True))
+    rehearsal.begin(start, 0.0)
+    assert rehearsal.command(TwinCommand(0.1, "movel", line, True)), rehearsal.blind
+
+
 @for_each(
     "function, arguments",
     [
