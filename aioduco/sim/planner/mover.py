@@ -113,8 +113,6 @@ class Draft(NamedTuple):
     def work(self) -> Drafted:
         """Plan the motion, its blend with the one before it included.
 
-        Args:
-
         Raises:
             PlanError: from `plan`, or the motion cannot follow those before it.
         """
