@@ -64,11 +64,11 @@ SETTINGS = frozenset(
 )
 #: commands that end or hold motions
 HALTS = frozenset(("stop", "abort", "pause", "resume"))
-#: beginnings of the names of functions that move an arm in ways that are not rehearsed
+#: beginnings of the names of functions that move or hold an arm in ways that are not rehearsed
 _UNKNOWN_WAYS = (
     *("move", "servo", "speedj", "speedl", "teach_mode", "replay", "run_program", "track"),
     *("fc_", "start_realtime", "realtime", "combine_motion", "enable_combine", "simulation"),
-    *("enable_eaxis",),
+    *("enable_eaxis", "switch_mode", "log_error"),
 )
 
 

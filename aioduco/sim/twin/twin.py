@@ -59,7 +59,7 @@ _ASK, _START = 0.5, 60.0
 #: time for the process to exit [s]
 _END: Final = 5.0
 #: beginnings of functions that only read, or that the twin does not use: they are not sent to it
-_READS = ("get_", "read_", "get", "rpc_heartbeat", "robotmoving", "cal_", "reach_check", "log_")
+_READS = ("get", "read_", "rpc_heartbeat", "robotmoving", "cal_", "reach_check", "log_info")
 
 
 class TwinStatistics(NamedTuple):

@@ -106,6 +106,8 @@ def duration(rehearsal: Rehearsal) -> float:
         ("servoj", ([0.0] * 6, 1.0, 1.0, False, 200.0, 25.0, 0.1, 0.04)),
         ("run_program", ("pick", False)),
         ("teach_mode", (False,)),
+        ("switch_mode", (0,)),
+        ("log_error", ("the gripper is empty",)),
     ],
 )
 def test_other_ways_to_move_make_it_blind(function: str, arguments: tuple[object, ...]) -> None:
