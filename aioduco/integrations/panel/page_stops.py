@@ -26,8 +26,8 @@ class _Stopping:
     """One stop that pages asked for, and how it ended."""
 
     def __init__(self) -> None:
-        self.over = anyio.Event()
-        self.failed = ""
+        self.over: anyio.Event = anyio.Event()
+        self.failed: str = ""
 
     def end(self, failed: str) -> None:
         self.failed = failed

@@ -204,7 +204,7 @@ class JointCommands(StreamedCommands):
                 source_rate=self._rate,
                 options=self._options,
             ) as stream:
-                self.following = True
+                self._opened()
                 await stream.send(target)
                 while self._hold or anyio.current_time() - self._came < self._timeout:
                     came, newest = math.inf, target
@@ -221,7 +221,7 @@ class JointCommands(StreamedCommands):
                         await anyio.sleep_until(anyio.current_time() + ahead)
                     await self._wait()
         finally:
-            self.following = False
+            self._ended()
             self._near = False
             self._waiting.clear()
 

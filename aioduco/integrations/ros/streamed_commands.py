@@ -71,6 +71,14 @@ class StreamedCommands:
             if silence.look(anyio.current_time(), self._came) > self._timeout:
                 self._ceased, self._blocked = True, False
 
+    def _opened(self) -> None:
+        """Note that the stream is open."""
+        self.following = True
+
+    def _ended(self) -> None:
+        """Note that the stream has ended, so that the arm is free."""
+        self.following = False
+
     def allow(self) -> None:
         """Accept commands again: the arm was brought up or recovered."""
         self._blocked = False
@@ -151,13 +159,13 @@ class Freedrive(StreamedCommands):
                 continue
             try:
                 async with self._robot.motion.teach_mode():
-                    self.following = True
+                    self._opened()
                     await self._unwanted()
             except DucoError as error:
                 _log.warning("hand guiding: %s", error)
                 self._block()
             finally:
-                self.following = False
+                self._ended()
 
     def _wanted(self) -> bool:
         return self._asked and anyio.current_time() - self._came < self._timeout

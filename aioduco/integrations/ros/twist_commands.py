@@ -117,7 +117,7 @@ class TwistCommands(StreamedCommands):
                 hold=2.0 * self._timeout,
                 options=self._options,
             ) as stream:
-                self.following = True
+                self._opened()
                 while anyio.current_time() - self._came < self._timeout:
                     axes, twist = self._newest or (frame, _STILL)
                     if axes != frame:
@@ -131,4 +131,4 @@ class TwistCommands(StreamedCommands):
                     with anyio.move_on_after(self._timeout):
                         await self._changed.wait()
         finally:
-            self.following = False
+            self._ended()
