@@ -317,7 +317,9 @@ class TaskFollower:
             if task.state is TaskState.PAUSED:
                 paused = paused or await self._state(task.id) is TaskState.PAUSED
         if paused:
-            raise TaskStopped(ending, None, "found the motion paused, and the arm was stopped")
+            raise TaskStopped(
+                ending, None, "found the motion paused, as far as is known, and stopped the arm"
+            )
 
     async def motions_ended(self) -> None:
         """Poll the motions at once, and wait until they have ended, for a second at most."""
