@@ -305,7 +305,16 @@ def test_degrees_and_millimetres_at_the_edge() -> None:
     assert deg(90, -90) == (math.pi / 2, -math.pi / 2)
     assert mm(250) == 0.25
     assert mm(1, 2, 3) == (0.001, 0.002, 0.003)
-    values: list[Any] = ["90", [90, 90], None, 10**400, True, 1j, np.ones(2), np.timedelta64(1)]
+    values: list[Any] = [
+        "90",
+        [90, 90],
+        None,
+        10**400,
+        True,
+        1j,
+        np.ones(2),
+        np.timedelta64(1, "s"),
+    ]
     for convert in (deg, mm):
         for wrong in values:
             with pytest.raises(ParameterError, match=r"value is .* several are given one by one"):
