@@ -46,7 +46,7 @@ def whole(stamp: int, values: tuple[float, ...]) -> bool:
 def test_first_in_first_out_and_never_more_than_fit(steps: list[bool], capacity: int) -> None:
     ring = make(capacity)
     model: list[int] = []
-    written = 0
+    written = read = 0
     for put in steps:
         if put:
             accepted = ring.put([float(written)] * 6, written)
@@ -56,8 +56,9 @@ def test_first_in_first_out_and_never_more_than_fit(steps: list[bool], capacity:
             written += 1
         else:
             point = ring.take()
+            read += bool(model)
             assert (point.stamp if point else None) == (model.pop(0) if model else None)
-        assert ring.level == len(model)
+        assert (ring.level, ring.read) == (len(model), read)
 
 
 @given(st.lists(st.integers(0, 20), max_size=30), st.integers(2, 8))
