@@ -95,8 +95,8 @@ class Examination:
             )
         if max(self.rate, self.urgent_rate) < RATES[0]:
             found.append(
-                f"through the realtime queue 1000 Hz can be held: depth={self.depth} bridges twice "
-                "the longest gap that was seen"
+                "through the realtime queue, if the controller has one, 1000 Hz can be held: "
+                f"depth={self.depth} bridges twice the longest gap that was seen"
             )
         return tuple(found)
 
