@@ -212,6 +212,25 @@ async def test_pause_and_resume_say_whether_anything_was_paused(
         assert await call() is True
 
 
+@pytest.mark.parametrize("name", ["pause", "resume", "abort"])
+async def test_a_bare_state_in_place_of_a_task_is_its_end(
+    robot: aioduco.Robot, bench: Bench, name: str
+) -> None:
+    carried_out = bench._answers[name]
+
+    def answered(block: bool) -> int:
+        carried_out(block)
+        return int(aioduco.TaskState.FINISHED)
+
+    bench.answer(name, answered)
+    await getattr(robot, name)()
+    numbers = [call.args[0] for call in bench.received("get_noneblock_taskstate")]
+    assert int(aioduco.TaskState.FINISHED) not in numbers  # which is no task
+    bench.answer(name, int(aioduco.TaskState.ILLEGAL))
+    with pytest.raises(aioduco.TaskIllegal):
+        await getattr(robot, name)()
+
+
 async def test_abort_ends_the_motion_and_never_passes_for_blending(
     robot: aioduco.Robot, bench: Bench
 ) -> None:
