@@ -274,6 +274,17 @@ def test_a_call_that_moves_nothing_sends_no_heartbeat(words: str, beats: bool) -
 
 
 @for_each(
+    "words, waits", [("movej2 [0,0,1.5,0,-1.5,0] v=1 a=1 --yes", True), ("get_tcp_pose", False)]
+)
+def test_a_motion_that_waits_for_a_pause_to_end_says_so(words: str, waits: bool) -> None:
+    with Bench() as bench:
+        bench.states[1] = int(aioduco.ProgramState.PAUSED)
+        done = run("call", *words.split(), "--host", f"{bench.host}:{bench.port}")
+        assert done.exit_code == 0, done.output
+        assert (f"`aioduco resume {bench.host}:{bench.port}` goes on" in done.stderr) == waits
+
+
+@for_each(
     "words, function, answer, shown",
     [
         ("set_tool_digital_out 1 True", "set_tool_digital_out", 4, "null"),  # as --describe has it

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Final
 import typer
 
 from aioduco.cli.addresses import CellFile, HostOption, Port, robot_at
-from aioduco.cli.exit_codes import fail
+from aioduco.cli.exit_codes import fail, say_error
 from aioduco.cli.options import Json, refuse_unused
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import ask
@@ -72,6 +72,7 @@ def call(
     """
     import aioduco.sync  # noqa: PLC0415 - for this command alone
     from aioduco._wire.idempotence import call_kind  # noqa: PLC0415
+    from aioduco.models.enums import ProgramState  # noqa: PLC0415
     from aioduco.models.names import SPELLINGS, place  # noqa: PLC0415
 
     where = place(name)
@@ -108,6 +109,12 @@ def call(
     session = control_session if moves else observing_session
     try:
         with session(address) as robot:
+            if moves and robot.state.get_robot_state().program is ProgramState.PAUSED:
+                arm = address.where
+                say_error(
+                    f"the arm at {address} is paused, and what is called waits: "
+                    f"`aioduco resume {arm}` goes on, `aioduco stop {arm}` ends it"
+                )
             result = function_of(robot, where)(*positional, **named)
     except TypeError as error:
         fail(f"{name}: {error}")
