@@ -94,7 +94,12 @@ such a controller ignores and takes for zero: do not call them on it. `fc_move` 
 oldest does not know `Op.on_stop`: **an output that a stop is to switch is not switched**. In the
 oldest, `getRobotIOStatus` has fewer lists, under other field numbers. An answer that does not fit
 the present numbers is read by those; the lists that are missing are empty. With `active` false
-`robot.frames.set_wobj_offset` sends an offset of zero, which ends a shift on the oldest, too."""
+`robot.frames.set_wobj_offset` sends an offset of zero, which ends a shift on the oldest, too.
+
+Of a still older one, wrappers are public that give `tcp_move` and `tcp_move_2p` no tool and no work
+object, and `servoj` and `servoj_pose` no `block`; later parameters move up. Nothing tells this
+controller from the oldest. If it takes no other calls, it **moves by the tool in use, whatever
+`tool` says, and switches no outputs of these motions**; and `servoj` gets its `kp` as `kd`."""
 
 NEWER = """
 ## Manual 4.3
