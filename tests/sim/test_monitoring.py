@@ -157,6 +157,29 @@ def test_a_program_that_beats_once_a_second_keeps_its_arm_moving() -> None:
         assert sim.forgiven == {"late heartbeat": 1}
 
 
+@pytest.mark.slow
+def test_a_beat_of_any_connection_counts_for_all() -> None:
+    with (
+        Simulator(heartbeat_slack=0.0) as sim,
+        RawClient(sim.port) as first,
+        RawClient(sim.port) as second,
+    ):
+        for name in ("power_on", "enable"):
+            assert first.call(name, True) == TaskState.FINISHED
+        first.call("rpc_heartbeat", 200)
+        over = time.monotonic() + 0.2
+        second.call("rpc_heartbeat", 60_000)
+        id_ = first.call("speedj", [0.01, *[0.0] * 5], 1.0, -1, False)
+        # The wait is the time of the first connection's beat: after it, only the second's counts.
+        eventually(lambda: time.monotonic() > over)
+        cycle = sim.time
+        eventually(lambda: sim.time > cycle + 0.01)
+        assert first.call("get_noneblock_taskstate", id_) == TaskState.RUNNING
+        second.call("rpc_heartbeat", 200)  # as short as this for the first connection, too
+        eventually(lambda: first.call("get_noneblock_taskstate", id_) == TaskState.STOPPED)
+        assert "heartbeat lost" in first.call("get_last_error")[-1]
+
+
 def overdue(sim: Simulator) -> bool:
     due = sim._running().controller.heartbeat._due
     return due is not None and time.monotonic() > due
