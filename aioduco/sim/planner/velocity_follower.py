@@ -54,9 +54,9 @@ class _Velocity(TargetFollower):
             self._after_stop = "end"
 
     def _ramp(self) -> Array:
-        self._left -= self._cycle
         if self._left < 0.5 * self._cycle:
             self._ending = True
+        self._left -= self._cycle
         change = (0.0 if self._ending else self._speed) * self._goal - self._present
         most, step = self._size(change), self._acceleration * self._cycle
         self._present = self._present + change * (min(1.0, step / most) if most > 0.0 else 1.0)
@@ -92,7 +92,9 @@ class JointVelocity(_Velocity):
         before = self._present
         change = self._ramp() - before
         self._present = before + self._possible(change, before) * change
-        return self.setpoint if self._stands() else self._step(self._present)
+        self.setpoint = self._step(self._present)
+        self._stands()
+        return self.setpoint
 
 
 class ToolVelocity(_Velocity):

@@ -89,3 +89,15 @@ def test_velocities_change_no_faster_than_the_drives_can(follower: Any, velocity
     changes = np.abs(np.diff(speeds, axis=0)).max(axis=1)
     assert changes.max() == pytest.approx(CYCLE * max(FIVE.acceleration))
     assert len(speeds) < 160
+
+
+@pytest.mark.parametrize(
+    "follower", [JointVelocity(FIVE, HOME, CYCLE), ToolVelocity(FIVE, HOME, CYCLE, np.eye(4))]
+)
+def test_a_velocity_goes_as_far_as_its_speed_and_time_say(follower: Any) -> None:
+    """The way of the ramp at the end is the way that the ramp at the beginning lacks."""
+    turn = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.3])  # of the flange, which is joint 6
+    follower.aim(turn, 2.0, 0.5)
+    while not follower.ended:
+        follower.tick(NONE, NONE)
+    np.testing.assert_allclose(follower.setpoint.q - HOME, 0.5 * turn, atol=1e-9)
