@@ -52,6 +52,7 @@ _FIXED = {"solref": "0.05 0.2", "solimp": "0.5 0.5 0.001", "priority": "2"}
 # The spring must give way, not the surface.
 _SPRUNG = {**_LOOSE, "priority": "3"}
 _PERIOD = 0.004  # period of a sprung plate over 2π: a step of 1 ms still resolves it [s]
+_FLOOR = -0.01  # [m]
 _LOWEST_PEDESTAL = 0.05  # [m]
 _PEDESTAL = Number(0.0, 20.0, "m", source="this package")
 _MASS = Number(0.0, unit="kg", source="this package")
@@ -272,7 +273,7 @@ class Table(Thing):
         if self.stiffness is not None:
             top = _sprung(body, self.stiffness, self.damping, 0.05, self.name)
         self._plate(top, (*self.size, 0.02), _FIXED if top is body else _SPRUNG)
-        self._legs(body, float(self.at[2]) if self.height is None else self.height)
+        self._legs(body, self.at[2] - _FLOOR if self.height is None else self.height)
 
     def _legs(self, body: ET.Element, height: float) -> None:
         # A sprung top needs room below it for its travel.

@@ -136,6 +136,27 @@ def test_a_scene_that_is_none(scene: Any, says: str) -> None:
         Simulator(scene=scene).start()
 
 
+@for_each("stiffness", [None, 1e4])
+def test_a_table_and_a_pedestal_stand_on_the_floor(stiffness: float | None) -> None:
+    table = mjcf_of([Table(at=(0.5, 0.2, 0.4), stiffness=stiffness, name="table")])
+    raised = mounting_of("floor", FIVE, 0.5)
+    world = World(FIVE, q=HOME, scene=table, mounting=raised, pedestal=True)
+    model, data = world.model, world.data
+    mujoco.mj_forward(model, data)
+    kinds, floor = mujoco.mjtGeom, data.geom("floor").xpos[2]
+    table_body = model.body("scene/table").id
+    legs = [
+        geom
+        for geom in range(model.ngeom)
+        if model.geom_bodyid[geom] == table_body and model.geom_type[geom] == kinds.mjGEOM_CYLINDER
+    ]
+    assert len(legs) == 4
+    for leg in legs:
+        assert data.geom_xpos[leg][2] - model.geom_size[leg][1] == pytest.approx(floor)
+    column = model.geom("pedestal").id
+    assert data.geom_xpos[column][2] - model.geom_size[column][2] == pytest.approx(floor)
+
+
 def test_a_stiffness_that_cannot_be_has_its_unit() -> None:
     with pytest.raises(ParameterError, match="stiffness is -1, but must be a number above 0 N/m;"):
         Table(stiffness=-1)

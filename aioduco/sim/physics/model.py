@@ -59,7 +59,7 @@ def mjcf(arm: Arm, timestep: float, mounting: Pose | None = None, *, pedestal: b
     where = placed(place[:3], place.matrix[:3, :3])
     parent = ET.SubElement(world, "body", {"name": "base", **where})
     if pedestal:
-        wide, high = 1.5 * links[0].parts[0].radius, 0.5 * (place[2] - _GAP)
+        wide, high = 1.5 * links[0].parts[0].radius, 0.5 * place[2]
         ET.SubElement(
             parent, "geom", name="pedestal", type="box", size=numbers((wide, wide, high)),
             pos=numbers((0.0, 0.0, -_GAP - high)), rgba="0.6 0.63 0.66 1",
