@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import TYPE_CHECKING, Generic, Self, TypeVar
 
 import anyio
 
+from aioduco._process import trial
 from aioduco.models.ranges import WAIT
 from aioduco.sync._blocking import Blocking
 
@@ -52,7 +53,8 @@ class Subscription(Blocking, Generic[T]):
         return self._call(self._next(timeout))
 
     async def _next(self, timeout: float | None) -> T:
-        with anyio.move_on_after(None if self._made.ready else timeout):
+        pace = nullcontext() if timeout is None else trial.at_own_pace()
+        with pace, anyio.move_on_after(None if self._made.ready else timeout):
             return await anext(self._made)
         raise TimeoutError(f"nothing came within {timeout:g} s")
 

@@ -93,7 +93,7 @@ class Task(TaskCalls):
         if timeout is None:
             return await self._made
         try:
-            with anyio.move_on_after(timeout):
+            with trial.at_own_pace(), anyio.move_on_after(timeout):
                 await self._made.wait()
         except anyio.get_cancelled_exc_class():
             await self._made._on_wait_cancelled()

@@ -3,6 +3,7 @@
 - `time.sleep` and the clocks of `time`, timers of asyncio's event loops and waits of `threading`
   use `ProgramClock` when the program calls them. This package and the standard library keep the
   wall clock, so that network time-outs are real.
+- What a loop of the program has a thread of a pool compute holds the time as the loop itself does.
 - A new task of asyncio knows the line of the program that made it.
 - A coroutine that is never awaited is reported with the line that made it.
 """
@@ -19,7 +20,10 @@ import threading
 import time
 import warnings
 import weakref
+from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
+
+import anyio.to_thread
 
 from aioduco.testing.preflight import lines
 
@@ -101,6 +105,7 @@ def install(clock: ProgramClock, recorder: RunRecorder) -> None:
     _clocks(clock, recorder)
     _loops(clock)
     _threads(clock)
+    _pools(clock)
     _coroutines(recorder)
 
 
@@ -296,6 +301,74 @@ def _threads(clock: ProgramClock) -> None:
     thread.start, thread.join = started, joined
     for module, name in zip(modules, ("_time", "time"), strict=True):
         setattr(module, name, time_of)
+
+
+class _Offloaded:
+    """A function for a thread of a pool, which computes for a loop: it holds the time.
+
+    So does the way to the thread, and from its end to the loop.
+
+    Args:
+        clock: the program's time.
+        function: the function.
+    """
+
+    def __init__(self, clock: ProgramClock, function: Callable[..., Any]) -> None:
+        self._clock, self._function = clock, function
+        self._lock = threading.Lock()
+        self._on_its_way = self._over = False
+        self._hold(on_its_way=True)
+
+    def __call__(self, *args: Any) -> Any:
+        self._clock.add_actor()
+        self._hold(on_its_way=False)
+        try:
+            return self._function(*args)
+        finally:
+            self._hold(on_its_way=True)
+            self._clock.remove_actor()
+
+    def over(self, *_: object) -> None:
+        """The loop has what it waited for, or waits no more."""
+        self._over = True
+        self._hold(on_its_way=False)
+
+    def _hold(self, *, on_its_way: bool) -> None:
+        with self._lock:
+            holds = on_its_way and not self._over
+            if holds is not self._on_its_way:
+                self._on_its_way = holds
+                (self._clock.call_begins if holds else self._clock.call_ends)()
+
+
+def _pools(clock: ProgramClock) -> None:
+    base: Any = asyncio.base_events.BaseEventLoop
+    module: Any = anyio.to_thread
+    in_executor, run_sync = base.run_in_executor, module.run_sync
+
+    def offloaded(self: Any, executor: Any, func: Any, *args: Any) -> Any:
+        threads = executor is None or isinstance(executor, ThreadPoolExecutor)
+        if not (threads and _asked_by_program()):
+            return in_executor(self, executor, func, *args)
+        work = _Offloaded(clock, func)
+        try:
+            future = in_executor(self, executor, work, *args)
+        except BaseException:
+            work.over()
+            raise
+        future.add_done_callback(work.over)
+        return future
+
+    async def synced(func: Any, *args: Any, **options: Any) -> Any:
+        if not _asked_by_program():
+            return await run_sync(func, *args, **options)
+        work = _Offloaded(clock, func)
+        try:
+            return await run_sync(work, *args, **options)
+        finally:
+            work.over()
+
+    base.run_in_executor, module.run_sync = offloaded, synced
 
 
 def _coroutines(recorder: RunRecorder) -> None:

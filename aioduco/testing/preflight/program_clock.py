@@ -76,8 +76,8 @@ class Wait:
 class ProgramClock:
     """Follows a simulator's time, and holds it while the program runs.
 
-    An actor is a thread of the program whose computing holds the time: its main thread, and each
-    thread with an event loop.
+    An actor is a thread of the program whose computing holds the time: its main thread, each thread
+    with an event loop, and each of a pool while it computes for such a loop.
     """
 
     def __init__(self) -> None:
