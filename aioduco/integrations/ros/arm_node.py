@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import time
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, Protocol, get_args
 
@@ -259,7 +259,7 @@ class ArmNode:
                     tasks.start_soon(streamed.watch)
                 for publish in (
                     *(self._publish_joints, self._publish_progress, self._publish_states),
-                    *(self._watch_speed, self._diagnose),
+                    *(self._watch_speed, self._watch_tool, self._diagnose),
                 ):
                     tasks.start_soon(publish, sink)
         finally:
@@ -318,16 +318,21 @@ class ArmNode:
             except DucoError as error:
                 _log.debug("no speed: %s", error)
 
+    async def _watch_tool(self, sink: StateSink) -> None:  # noqa: ARG002 - as all that run beside
+        """Follow changes of the tool, by which the flange is placed."""
+        async for _ in every(1.0 / self.settings.slow_rate):
+            try:
+                self._tcp_offset = await self.robot.frames.get_tcp_offset()
+            except DucoError:
+                self._tcp_offset = None  # the tool may have changed: do not use an old offset
+
     async def _diagnose(self, sink: StateSink) -> None:
         feed, asked = self.robot.feed, anyio.current_time()
         async for _ in every(1.0):
-            try:
-                self._tcp_offset = await self.robot.frames.get_tcp_offset()
-                if self._newest is not None:
+            if (offset := self._tcp_offset) is not None and self._newest is not None:
+                with suppress(DucoError):
                     load = await self.robot.frames.get_tool_load()
-                    sink.tool(tool_data_fields(self._newest, self._tcp_offset, load))
-            except DucoError:
-                self._tcp_offset = None  # the tool may have changed: do not use an old offset
+                    sink.tool(tool_data_fields(self._newest, offset, load))
             now = anyio.current_time()
             rate, asked, self._count = self._count / max(now - asked, 1e-3), now, 0
             sink.diagnosis(diagnosis(self._newest, feed.error, time.monotonic(), rate))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections import Counter
 from collections.abc import AsyncIterator, Iterator
 from dataclasses import replace
 from types import SimpleNamespace
@@ -19,6 +20,7 @@ from hypothesis import strategies as st
 from aioduco import Pose, TaskState
 from aioduco._process.reporting import reporter
 from aioduco.api.force import Force
+from aioduco.api.frames import Frames
 from aioduco.api.state import State
 from aioduco.errors import ConnectionLost, ParameterError
 from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings, arm_node
@@ -425,6 +427,28 @@ async def test_of_a_paused_goal_the_place_of_the_standing_arm_is_published(
     await eventually_async(lambda: sink.place and np.abs(sink.place.actual - joints).max() < 1e-3)
     assert sink.place is not None
     np.testing.assert_allclose(sink.place.desired, joints, atol=0.011)
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("node")
+async def test_the_flange_follows_a_change_of_the_tool_at_the_rate_of_the_states(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """For a second it was placed by the tool before: the tool was asked for once a second."""
+    asked: Counter[str] = Counter()
+
+    def counted(name: str) -> None:
+        function = getattr(Frames, name)
+
+        async def called(self: Frames) -> Any:
+            asked[name] += 1
+            return await function(self)
+
+        monkeypatch.setattr(Frames, name, called)
+
+    counted("get_tcp_offset")
+    counted("get_tool_load")  # once a second
+    await eventually_async(lambda: asked["get_tcp_offset"] > 5 * asked["get_tool_load"] > 0)
 
 
 @pytest.mark.slow
