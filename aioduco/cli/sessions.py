@@ -144,6 +144,22 @@ def require_same_state(robot: Robot, state: RobotState, safety: SafetyState) -> 
         )
 
 
+def require_guided(robot: Robot) -> None:
+    """End the command if the arm, which a hand guides, was stopped or switched off meanwhile.
+
+    A stop by another program is not seen: the state of the program does not tell hand guiding.
+
+    Args:
+        robot: the robot.
+    """
+    from aioduco.models.enums import RobotState, SafetyState  # noqa: PLC0415 - quick help
+
+    now = robot.state.get_robot_state()
+    unsafe = now.safety not in (SafetyState.RUN, SafetyState.REDUCE, SafetyState.MODEL)
+    if now.robot is not RobotState.ENABLE or unsafe:
+        fail(f"the arm is stopped, and no hand guides it any more: {now}; nothing more was stored")
+
+
 def require_still_at(robot: Robot, joints: JointsLike, pose: Pose | None = None) -> None:
     """End the command if the arm is no longer where the question before a motion was about.
 

@@ -13,7 +13,12 @@ from aioduco.cli.cell_file import is_cell, load_cell
 from aioduco.cli.exit_codes import say_error
 from aioduco.cli.options import Guide, refuse_unused, require_writable
 from aioduco.cli.output import say
-from aioduco.cli.sessions import guided_session, observing_session, reported_name
+from aioduco.cli.sessions import (
+    guided_session,
+    observing_session,
+    reported_name,
+    require_guided,
+)
 from aioduco.cli.status import degrees, pose_line
 
 if TYPE_CHECKING:
@@ -68,7 +73,7 @@ def teach(
             return
         states = robot.state.get_robot_state()
     with guided_session(address, states, yes=yes) as robot:
-        _keep(robot, store)
+        _keep(robot, store, guided=True)
     say("hand guiding has ended, the arm stands")
 
 
@@ -150,8 +155,8 @@ def _file(robot: Robot, path: Path) -> _Waypoints:
     return _Waypoints(kept, path)
 
 
-def _keep(robot: Robot, store: _Waypoints | _CellPoints) -> None:
-    """Store the place of the arm for each typed line."""
+def _keep(robot: Robot, store: _Waypoints | _CellPoints, *, guided: bool = False) -> None:
+    """Store the place of the arm for each typed line, while it is guided."""
     from aioduco.errors import (  # noqa: PLC0415 - quick help
         CellFileError,
         ParameterError,
@@ -166,6 +171,8 @@ def _keep(robot: Robot, store: _Waypoints | _CellPoints) -> None:
             return
         if line == _END:
             return
+        if guided:
+            require_guided(robot)
         if name := line or store.usual:
             try:
                 say(f"{name}: {store.store(name, robot)}")

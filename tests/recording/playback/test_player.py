@@ -599,6 +599,27 @@ def test_play_leads_a_simulated_arm_along_a_recording_and_records_it(tmp_path: P
 
 
 @pytest.mark.slow
+def test_teach_ends_when_the_arm_was_stopped_by_its_button(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It went on, and stored the place of an arm that no hand could move."""
+    file = tmp_path / "points.toml"
+    with Simulator(joints=HOME, speed=5) as sim:
+
+        def person() -> Iterator[str]:
+            yield "before"
+            sim.emergency_stop()
+            sim.wait_until(lambda: sim.view.emergency_stop, timeout=60)
+            yield "after"
+
+        hands = person()
+        monkeypatch.setattr("builtins.input", lambda _: next(hands))
+        done = run("teach", sim.host, "--port", str(sim.port), "-o", str(file), "--yes")
+    assert (done.exit_code, "no hand guides it any more" in done.stderr) == (1, True), done.output
+    assert [each.name for each in WaypointFile.read(file).waypoints] == ["before"]
+
+
+@pytest.mark.slow
 def test_teach_keeps_where_the_arm_is_guided_to(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
