@@ -32,6 +32,7 @@ Address: TypeAlias = tuple[Any, ...]
 
 #: seconds after which the resolution of a name counts as hanging
 _HANGS_AFTER: Final = 1.0
+_LAST_PORT: Final = 65535
 
 
 class Lookup:
@@ -187,13 +188,18 @@ class Endpoint:
         is resolved for each connection: a replaced controller may have another address.
 
         Raises:
-            ConnectError: the host is no name and no address, or the system has no more threads.
+            ConnectError: the host is no name and no address, the port is none, or the system has no
+                more threads.
         """
         try:
             host_alone(self.host)
         except ParameterError as error:
             said = f"the host must be {error.expected}"
             raise ConnectError(str(self.host), self.port, said) from None
+        # the system takes another number for an unknown host, or for another port
+        if not (str(self.port).isdecimal() and 0 < int(self.port) <= _LAST_PORT):
+            said = f"the port must be a whole number from 1 to {_LAST_PORT}"
+            raise ConnectError(self.host, self.port, said)
         try:
             return _resolve(self.host, self.port, socket.AI_NUMERICHOST)
         except (OSError, UnicodeError):

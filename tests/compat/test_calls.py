@@ -301,6 +301,20 @@ def test_open_returns_minus_one_for_what_is_no_address(ip: Any) -> None:
     assert "the host must be a name or an address" in str(robot.last_error)
 
 
+@for_each("port", [-1, 0, 65536, 7003.5, True, None, "x", ""])
+def test_open_returns_minus_one_for_what_is_no_port(port: Any) -> None:
+    """It told of an unknown host, tried port 0 in place of 65536, or raised."""
+    robot = DucoCobot("127.0.0.1", port)
+    assert robot.open() == -1
+    assert "the port must be a whole number from 1 to 65535" in str(robot.last_error)
+
+
+def test_a_port_may_be_text(server: RecordingServer) -> None:
+    port: Any = str(server.port)
+    with DucoCobot(server.host, port):
+        pass
+
+
 def test_what_the_controller_cannot_do_raises(robot: DucoCobot) -> None:
     for call in (robot.get_tcp_pose, lambda: robot.stop(True)):
         with pytest.raises(ControllerError) as refused:
