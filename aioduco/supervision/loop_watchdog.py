@@ -12,7 +12,7 @@ import threading
 import time
 import traceback
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 from aioduco._process.platform import boot_time
 from aioduco._process.reporting import BackgroundLogger
@@ -22,11 +22,14 @@ from aioduco.errors import GuardLost
 from aioduco.supervision.concurrency import Ticker, every
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
     from types import FrameType
 
 
 _log = BackgroundLogger(__name__)
+
+#: the functions of the wire that end modes, with their arguments
+Endings: TypeAlias = "Sequence[tuple[str, tuple[bool, ...]]]"
 
 #: keep-alives of an event loop per stall limit, and the longest time between two [s]
 _SIGNS: Final = 10
@@ -56,13 +59,13 @@ class Liveness:
     move the arm, and when the arm was seen to stand and nothing that it started still runs.
 
     Args:
-        passed_on: passes the stamp, and whether the program may be moving the arm, on to the guard.
-            It returns whether that was possible. None: no guard.
+        passed_on: passes the stamp, whether the program may be moving the arm, and its modes on to
+            the guard. It returns whether that was possible. None: no guard.
     """
 
-    __slots__ = ("_passed_on", "longest_stall", "moves", "ran", "stamp")
+    __slots__ = ("_passed_on", "longest_stall", "modes", "moves", "ran", "stamp")
 
-    def __init__(self, passed_on: Callable[[float, bool], bool] | None = None) -> None:
+    def __init__(self, passed_on: Callable[[float, bool, Endings], bool] | None = None) -> None:
         self._passed_on = passed_on
         #: when the loop last ran [s of `time.monotonic`]
         self.ran: float = time.monotonic()
@@ -73,6 +76,8 @@ class Liveness:
         self.longest_stall: float = 0.0
         #: whether the program may be moving the arm: only then the arm is stopped for the program
         self.moves: bool = False
+        #: what ends the modes that the program has entered, which a stop leaves on
+        self.modes: Endings = ()
 
     def touch(self, due: float, *, counts: bool = True) -> None:
         """Note that the loop runs.
@@ -108,13 +113,18 @@ class Liveness:
                 "again, or connect without a guard"
             )
 
+    def in_modes(self, endings: Endings) -> None:
+        """Note what ends the modes that the program is about to enter, or has not left."""
+        self.modes = endings
+        self._pass_on()
+
     def at_rest(self) -> None:
         """Note that the arm stands, and that nothing that this program started still runs."""
         self.moves = False
         self._pass_on()
 
     def _pass_on(self) -> bool:
-        return self._passed_on is None or self._passed_on(self.stamp, self.moves)
+        return self._passed_on is None or self._passed_on(self.stamp, self.moves, self.modes)
 
 
 class LoopWatchdog:

@@ -57,13 +57,20 @@ class Modes:
 
     Args:
         channel: sends the functions that end them.
+        passed_on: told the functions that end those that are on, with their arguments, before one
+            is entered and after one was left.
 
     Attributes:
         force_control: whether force control may be on.
     """
 
-    def __init__(self, channel: StopChannel) -> None:
+    def __init__(
+        self,
+        channel: StopChannel,
+        passed_on: Callable[[Sequence[ModeEnding]], object] = lambda _: None,
+    ) -> None:
         self._channel = channel
+        self._passed_on = passed_on
         #: the arguments that end each, and its number among the modes that were entered
         self._on: dict[str, tuple[tuple[bool, ...], int]] = {}
         self._entered = 0
@@ -110,13 +117,19 @@ class Modes:
         self._on[ending] = args, self._entered
         self._overdue.discard(ending)
         self._told.discard(ending)
+        self._pass_on()
         return was_on
 
     def over(self, ending: str) -> None:
         """Note that a mode in which the arm yields or follows is off."""
-        self._on.pop(ending, None)
+        was_on = self._on.pop(ending, None)
         self._overdue.discard(ending)
         self._told.discard(ending)
+        if was_on is not None:
+            self._pass_on()
+
+    def _pass_on(self) -> None:
+        self._passed_on([(name, args) for name, (args, _) in self._on.items()])
 
     def overdue(self, *endings: str) -> None:
         """Note that modes should be off, and may be on: they are to be ended. From any thread.

@@ -117,7 +117,7 @@ class StopCoordinator:
         self.liveness = liveness
         self.follower: TaskFollower = TaskFollower(poll, self, background, settings.clock)
         self.unfollowed_motion: bool = False
-        self.modes: Modes = Modes(channel)
+        self.modes: Modes = Modes(channel, liveness.in_modes)
         self.pending: dict[LaneCall, ModeEnding | None] = {}
         self.streams: list[OpenStream] = []
         self.closed: bool = False

@@ -165,7 +165,7 @@ async def test_another_guard_knows_what_moves(bench: Bench) -> None:
 def test_a_motion_is_refused_if_no_guard_hears_of_it() -> None:
     said: list[bool] = []
 
-    def deaf(_stamp: float, moves: bool) -> bool:
+    def deaf(_stamp: float, moves: bool, _modes: object) -> bool:
         said.append(moves)
         return False
 

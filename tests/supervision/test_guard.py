@@ -14,6 +14,7 @@ from collections.abc import AsyncIterator
 from typing import NoReturn
 
 import pytest
+from api.desk import Desk
 from client.bench import HOME, Bench
 from for_each import for_each
 from hostile.programs import guard_of, running
@@ -41,6 +42,7 @@ from aioduco.testing import Cut, FaultProxy, Place, eventually, eventually_async
 from .test_heartbeat import state
 
 pytestmark = pytest.mark.linux("the guard's process")
+MOVE = f"motion.movej2({HOME}, v=1.0, a=1.0)"
 
 
 @pytest.fixture
@@ -53,7 +55,7 @@ async def robot(bench: Bench) -> AsyncIterator[aioduco.Robot]:
     "message",
     [
         Watch(1, 2, "robot", 7003, None, 1.0, 3.0, 2.0),
-        Alive(1, 12.5, True),
+        Alive(1, 12.5, True, [["end_teach_mode", [False]]]),
         Rearm(1),
         Release(1, 2),
         Done(2, ""),
@@ -316,14 +318,24 @@ def test_a_killed_program_leaves_a_standing_arm(bench: Bench, cut: bool) -> None
         assert len(proxy.calls("stop")) > bench.stops or not cut
 
 
-def _kill_in_mid_motion(bench: Bench, host: str, port: int) -> None:
+@pytest.mark.slow
+def test_hand_guiding_is_over_when_its_program_was_killed() -> None:
+    """A stop may leave it on: the arm would give way to hands, and to a load that is set wrong."""
+    with Desk() as desk:
+        desk.answer("stop", 4)  # it leaves hand guiding on
+        _kill_in_mid_motion(desk, desk.host, desk.port, "motion.teach_mode()")
+        eventually(lambda: not desk.going_on)
+        assert desk.commands == ["teach_mode", "stop", "end_teach_mode"]
+
+
+def _kill_in_mid_motion(bench: Bench, host: str, port: int, motion: str = MOVE) -> None:
     bench.motion_time = 30.0
     program = f"""
 import os, anyio, aioduco
 async def main():
     robot = aioduco.connect({host!r}, {port}, guard="process", heartbeat=60.0)
     await robot.open()
-    await robot.motion.movej2({HOME}, v=1.0, a=1.0).start()
+    await robot.{motion}.start()
     if os.fork() == 0:
         # a forked child that lives on does not keep the guard waiting
         os.execv("/bin/sleep", ["sleep", "30"])

@@ -22,6 +22,7 @@ from aioduco.supervision.heartbeat import HeartbeatState, HeartbeatStatistics
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from aioduco.supervision.loop_watchdog import Endings
     from aioduco.supervision.settings import RobotSettings
 
 #: seconds for a guard to start and to connect, on top of the time limits of the connections
@@ -141,14 +142,14 @@ class GuardClient:
     def join(self, timeout: float) -> None:
         """Return at once: the program does not wait for the guard's thread."""
 
-    def touch(self, stamp: float, moves: bool) -> bool:
-        """Pass on a keep-alive of the event loop, and whether the program moves the arm.
+    def touch(self, stamp: float, moves: bool, modes: Endings) -> bool:
+        """Pass on a keep-alive of the event loop, whether the program moves the arm, and its modes.
 
         Returns:
             Whether the guard will read it, as far as can be known.
         """
         link, robot = self._link, self._robot
-        return link is not None and bool(robot) and link.tell(Alive(robot, stamp, moves))
+        return link is not None and bool(robot) and link.tell(Alive(robot, stamp, moves, modes))
 
     # -- the guard itself ----------------------------------------------------------------------
 

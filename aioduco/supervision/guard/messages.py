@@ -8,7 +8,10 @@ those of CLOCK_MONOTONIC, which is the same for all processes of a machine.
 from __future__ import annotations
 
 import json
-from typing import Final, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 #: buffer size [bytes], larger than any message
 MAX_PACKET: Final = 8192
@@ -49,11 +52,14 @@ class Alive(NamedTuple):
         robot: the program's number for the robot.
         stamp: its last keep-alive that counts [s of `boot_time`].
         moves: whether the program may be moving the arm; sent before anything that moves it.
+        modes: of each mode that the program has entered, the function of the wire that ends it,
+            and its arguments.
     """
 
     robot: int
     stamp: float
     moves: bool
+    modes: Sequence[Any] = ()
 
 
 class Rearm(NamedTuple):

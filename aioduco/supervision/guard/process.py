@@ -5,6 +5,8 @@ Guarantees:
   that at once, and stops the arms over connections that have been open since the robots were.
 - The guard stops only an arm that the program moves. The program reports that before it sends
   anything that may move the arm, and withdraws it when the arm stands.
+- After the stop of a program that has exited, it ends the modes that a stop leaves on, such as hand
+  guiding: nobody else would, and the arm would go on giving way.
 - If the guard was itself suspended for so long that the controllers missed its heartbeats, it sends
   no stop: the controllers have stopped the arms, and a motion now belongs to another program.
 - If an event loop sends no keep-alive for its stall limit, the guard stops the arm and withholds
@@ -52,6 +54,7 @@ from aioduco.supervision.guard.messages import (
 )
 from aioduco.supervision.heartbeat import Heartbeat
 from aioduco.supervision.loop_watchdog import Liveness
+from aioduco.supervision.motion_sources import Modes
 from aioduco.supervision.rest import bring_to_rest
 from aioduco.supervision.stop_channel import StopChannel
 from aioduco.supervision.unanswered import UnansweredMotion
@@ -151,6 +154,8 @@ class GuardedRobot:
     async def halt(self, *, gone: bool = False) -> None:
         """Stop the arm and wait until it stands, if the program moves it; failures are logged.
 
+        The modes of a program that has exited are ended.
+
         Args:
             gone: whether the program has exited: its last motion may still be on its way.
         """
@@ -161,14 +166,23 @@ class GuardedRobot:
             self.stopping.add(scope)
             try:
                 await self.stop_channel.stop(ABANDONED_LIMIT)
+                if gone:
+                    await self._leave_modes()  # until then a hand may move the arm
                 await self.stop_channel.rest(ABANDONED_LIMIT, ABANDONED_LIMIT)
                 if gone:
                     await self._stop_until_certain(begin)
+                    await self._leave_modes()  # the program's last command may have entered one
             except DucoError as exc:
                 where = host_port(self._watch.host, self._watch.port)
                 _log.critical("the arm of %s was not seen to stop: %s", where, exc)
             finally:
                 self.stopping.discard(scope)
+
+    async def _leave_modes(self) -> None:
+        modes = Modes(self.stop_channel)
+        for name, args in self.liveness.modes:
+            modes.enter(name, tuple(args))
+        await modes.leave()
 
     async def _stop_until_certain(self, begin: float) -> None:
         """Watch the arm until the motion that the program sent last cannot move it any more.
@@ -284,10 +298,11 @@ class Guard:
 
     def _take(self, message: Message, tasks: TaskGroup) -> None:
         match message:
-            case Alive(robot, stamp, moves):
+            case Alive(robot, stamp, moves, modes):
                 if robot in self._guarded:
                     self._guarded[robot].liveness.stamp = stamp
                     self._guarded[robot].liveness.moves = moves
+                    self._guarded[robot].liveness.modes = modes
             case Watch(robot, token):
                 # Added here and not in the task: a release that follows at once must find it.
                 self._pending[robot] = guarded = GuardedRobot(message, self)
