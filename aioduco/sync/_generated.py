@@ -3930,7 +3930,8 @@ class Realtime(_Section):
                 the controller executes the twist.
             depth: points to keep in the controller's queue; each is one millisecond.
             period: time between two polls of the queue [s].
-            filter_bandwidth: bandwidth of the controller's filter of the points [Hz].
+            filter_bandwidth: bandwidth of the controller's filter of the points, by which the arm
+                lags behind them [Hz]. A stream that is left waits for it: 1.6 s at 1 Hz.
             com_lost_time: time with an empty queue after which the controller faults, up to 10 [s].
             max_step: only for positions: largest step between two set-points [rad], or [m, rad].
             reach: only for positions: largest distance of the arm from the first set-point [rad],

@@ -52,9 +52,10 @@ def test_a_queue_ends_when_it_holds_nothing_but_rest() -> None:
     queue = Depth(10, patience=1.0)
     queue.rest(0)
     queue.rest(9)
-    assert not queue.at_rest
+    assert not queue.at_rest()
     queue.rest(1)
-    assert queue.at_rest
+    assert queue.at_rest()
+    assert not queue.at_rest(settling=1)
 
 
 # -- the track pool ----------------------------------------------------------------------------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import dataclasses
 import itertools
@@ -194,6 +195,35 @@ async def test_speeds_are_ramped_and_end_at_zero(controller: Controller, queue: 
     assert np.abs(np.diff(speeds, axis=0)).max() <= 5.0 * CYCLE * (1 + 1e-6)
     assert speeds[:, 0].max() == pytest.approx(0.2)
     assert not speeds[-40:].any()
+
+
+async def test_the_mode_ends_when_the_controllers_filter_has_let_the_arm_arrive(
+    controller: Controller, queue: Cycles
+) -> None:
+    """At 10 Hz its time constant is 16 points: it takes more than the queue holds."""
+    async with of_positions(controller, filter_bandwidth=10.0) as stream:
+        await stream.send(HERE)
+        await stream.send(near(1e-3))
+    resting = queue.points[: queue.taken].count(queue.points[-1])
+    assert math.exp(-resting / 16) < 1e-4
+
+
+async def test_a_cancellation_does_not_wait_for_the_controllers_filter(
+    controller: Controller, queue: Cycles
+) -> None:
+    stream = of_positions(controller, filter_bandwidth=0.05)
+
+    async def left() -> None:
+        async with stream:
+            await stream.send(HERE)
+
+    leaving = asyncio.create_task(left())
+    await eventually_async(lambda: stream.state is StreamState.DECELERATING)
+    leaving.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await leaving
+    assert queue.taken < 30_000  # 10 time constants are 32,000 points
+    assert controller.names()[-1] == "end_realtime_mode"
 
 
 async def test_starving_ends_in_rest_then_the_mode_then_a_stop(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 from typing import TYPE_CHECKING, Any, Unpack
 
 from aioduco.api.streams import StreamMaker
@@ -23,6 +24,9 @@ if TYPE_CHECKING:
 
 #: time in which the controller takes one point from its queue [s] (manual 1.3.15, the example)
 CYCLE = 0.001
+#: time constants of the controller's filter in which the arm arrives: 5e-5 of its lag are left
+_ARRIVES = 10
+_LONGEST = 60.0  # s that it may take at the end
 _DEPTH = Integer(2, 1000, "points", source="1.3.15")
 _Limit = float | tuple[float, float]
 
@@ -81,7 +85,8 @@ class RealtimeStreams(StreamMaker):
                 the controller executes the twist.
             depth: points to keep in the controller's queue; each is one millisecond.
             period: time between two polls of the queue [s].
-            filter_bandwidth: bandwidth of the controller's filter of the points [Hz].
+            filter_bandwidth: bandwidth of the controller's filter of the points, by which the arm
+                lags behind them [Hz]. A stream that is left waits for it: 1.6 s at 1 Hz.
             com_lost_time: time with an empty queue after which the controller faults, up to 10 [s].
             max_step: only for positions: largest step between two set-points [rad], or [m, rad].
             reach: only for positions: largest distance of the arm from the first set-point [rad],
@@ -129,9 +134,10 @@ class RealtimeStreams(StreamMaker):
             raise ParameterError(
                 "period", period, f"from {CYCLE:g} s to half of what {depth} points last"
             )
+        bandwidth = ranges.REALTIME_BANDWIDTH("filter_bandwidth", filter_bandwidth)
         arguments = [
             int(chosen),
-            ranges.REALTIME_BANDWIDTH("filter_bandwidth", filter_bandwidth),
+            bandwidth,
             ranges.REALTIME_LOST_TIME("com_lost_time", com_lost_time),
         ]
         sent = StreamSpec(
@@ -142,6 +148,7 @@ class RealtimeStreams(StreamMaker):
             function="start_realtime_mode",
             arguments=arguments,
             field=field,
+            settling=math.ceil(min(_ARRIVES / (2 * math.pi * bandwidth), _LONGEST) / CYCLE),
             high=depth,
             period=period,
             meaning=meaning,

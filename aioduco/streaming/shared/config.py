@@ -57,6 +57,8 @@ class StreamSpec:
         low: the worker fills the pool when it has fewer points than this.
         high: number of points to which the worker fills the queue or the pool.
         field: field of a queue point that carries the set-point.
+        settling: points at the end of the queue that bring the arm to rest through the
+            controller's filter.
         extra: bytes for the operation of a pool's point; 0: points have no operations.
         meaning: what a set-point is.
         tool: name of the tool whose poses, twists or offsets are sent; empty: the one in use.
@@ -77,6 +79,7 @@ class StreamSpec:
     low: int = 0
     high: int = 0
     field: str = ""
+    settling: int = 0
     extra: int = 0
     meaning: Meaning = "place"
     tool: str = ""

@@ -84,10 +84,13 @@ class Depth:
         """Count points that were added to hold the arm at rest, because there were no others."""
         self._resting += count
 
-    @property
-    def at_rest(self) -> bool:
-        """Whether the queue contains only points at which the arm rests."""
-        return self._resting >= self._depth
+    def at_rest(self, settling: int = 0) -> bool:
+        """Whether the queue contains only points at which the arm rests.
+
+        Args:
+            settling: number of such points that the controller must have taken, too.
+        """
+        return self._resting >= self._depth + settling
 
 
 class PoolAction(Enum):
@@ -197,6 +200,7 @@ class RealtimeQueueDriver(Driver):
         self._permit = permit.require
         self._queue = queue = block.config.sent
         self._depth = Depth(queue.high, max(self._timeout, 20 * queue.period))
+        self._settling = queue.settling
 
         def element(values: list[float]) -> RealTimeControlData:
             data = RealTimeControlData(status=True)
@@ -256,7 +260,7 @@ class RealtimeQueueDriver(Driver):
         if wanted and not self._enqueue(self._more(wanted)):
             return False
         self._round_trip(time.monotonic_ns() - start)
-        if self._depth.at_rest:
+        if self._depth.at_rest(self._settling):
             return self._over()
         if self._depth.stuck:
             return self._refuse("the controller takes no points from its queue any more")
@@ -293,6 +297,11 @@ class RealtimeQueueDriver(Driver):
         """Add no more points; the worker then ends the mode."""
         self._running = False
         return False
+
+    def brake(self, reason: Reason, text: str = "") -> None:
+        """Come to rest at once, then end."""
+        super().brake(reason, text)
+        self._settling = 0  # the arm need not arrive where the points lead, also if they all came
 
     def end(self, reason: Reason, text: str = "") -> None:
         """Send nothing more."""
