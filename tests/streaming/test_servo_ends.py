@@ -286,7 +286,7 @@ async def test_a_task_of_another_caller_may_be_a_stop(
 
     def state(task: int) -> int:
         polled.append(task)
-        return next(answers)
+        return next(answers) if task == 1019 else 4
 
     controller.server.answer("servoj", point)
     controller.server.answer("get_noneblock_taskstate", state)
@@ -332,7 +332,9 @@ async def test_a_stop_shortly_before_the_end_is_noticed(
     assert len(controller.server.received("stop")) == 1
 
 
-@pytest.mark.parametrize(("state", "error"), [(3, StreamStopped), (2, StreamRefused)])
+@pytest.mark.parametrize(
+    ("state", "error"), [(3, StreamStopped), (5, StreamStopped), (2, StreamRefused)]
+)
 async def test_an_arm_that_others_stop_or_pause_after_the_last_set_point(
     controller: Controller, state: int, error: type[Exception]
 ) -> None:

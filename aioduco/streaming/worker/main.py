@@ -36,6 +36,7 @@ from aioduco._wire import way_out
 from aioduco._wire.endpoint import Endpoint
 from aioduco._wire.own_connection import OwnConnection
 from aioduco.errors import ControllerError, DucoError, OutcomeUnknown, StopUnconfirmed
+from aioduco.models.enums import TaskState
 from aioduco.streaming.shared.block import Block
 from aioduco.streaming.shared.words import ControlWord, Reason, StatusWord, StreamState, Unmet
 from aioduco.streaming.worker.buffered import RealtimeQueueDriver, TrackPoolDriver
@@ -209,7 +210,10 @@ class StreamWorker:
         task = 0 if self._driver is None else self._driver.task
         if task <= 0 or self._config.sent.leave:  # how a call ends a task, the manual does not say
             return Reason.NONE, ""
-        return ended(task, own.call("get_noneblock_taskstate", (task,), self._timeout))
+        state = own.call("get_noneblock_taskstate", (task,), self._timeout)
+        if state == TaskState.INTERRUPT:  # not by the next set-point: there is none
+            return Reason.STOPPED, f"task {task} was interrupted by another program"
+        return ended(task, state)
 
     def _explanation(self, own: OwnConnection) -> str:
         """What the controller reports, for messages: a collision, and the newest of its errors.
