@@ -6,6 +6,7 @@ import time
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any, Self
 
+import anyio
 import anyio.lowlevel
 
 from aioduco._process.copying import Uncopied
@@ -18,6 +19,7 @@ from aioduco.streaming.shared.options import MOST_ACTIONS, checked, rate_rule
 from aioduco.streaming.shared.space import JOINT_SPACE, too_far
 from aioduco.streaming.shared.words import ActionTag, Reason, StreamState
 from aioduco.streaming.ticks import Tick, Ticks
+from aioduco.supervision.concurrency import first_error
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterable, AsyncIterator, Callable, Iterable, Sequence
@@ -285,6 +287,8 @@ class Stream(Uncopied):
     async def follow(self, source: AsyncIterable[VectorLike]) -> None:
         """Send every set-point of an async iterator until it ends.
 
+        An iterator that gives no more of them is cancelled when the stream has ended.
+
         Args:
             source: async iterator over the set-points.
 
@@ -294,8 +298,20 @@ class Stream(Uncopied):
         """
         if not hasattr(source, "__aiter__"):
             raise ParameterError("source", source, "an async iterator; an array goes to play()")
-        async for point in source:
-            await self.send(point)
+
+        async def watch() -> None:
+            await self._session.until_gone()
+            tasks.cancel_scope.cancel()
+
+        try:
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(watch)
+                async for point in source:
+                    await self.send(point)
+                tasks.cancel_scope.cancel()
+        except BaseExceptionGroup as group:
+            raise first_error(group) from None
+        self._session.alive()
 
     async def play(self, trajectory: Any, times: Any = None) -> None:
         """Send a whole array, and wait until the worker has taken it.

@@ -7,7 +7,7 @@ import contextlib
 import itertools
 import socket
 import threading
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable
 from dataclasses import replace
 from typing import Any
 
@@ -47,6 +47,37 @@ async def test_starving_brings_the_arm_to_rest_and_stops_it(
     assert came_to_rest(places, 500, 5.0, missed)
     assert controller.names()[-1] == "stop"
     assert stream.statistics().starved > 0
+
+
+async def test_a_source_that_gives_no_more_does_not_hide_the_end(controller: Controller) -> None:
+    """Its program waits for it, as for a camera, and would not learn that the arm was stopped."""
+    closed = anyio.Event()
+
+    async def source() -> AsyncIterator[list[float]]:
+        try:
+            yield HERE
+            await anyio.sleep_forever()
+        finally:
+            closed.set()
+
+    async def program() -> None:
+        async with controller.servo.joints(v=1.0, a=5.0, hold=0.05, options=THREAD) as stream:
+            await stream.follow(source())
+
+    with pytest.raises(StreamStarved):
+        await program()
+    assert closed.is_set()
+    assert controller.names()[-1] == "stop"
+
+
+async def test_an_error_of_a_source_is_its_own(controller: Controller) -> None:
+    async def source() -> AsyncIterator[list[float]]:
+        yield HERE
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        async with controller.servo.joints(v=1.0, a=5.0, options=THREAD) as stream:
+            await stream.follow(source())
 
 
 @workers
