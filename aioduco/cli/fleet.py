@@ -135,7 +135,7 @@ def stop(
     async def ask() -> FleetStop:
         try:
             async with FleetClient(settings) as client:
-                return await client.stop(arm or None, timeout)
+                return await client.stop(arm or None, timeout, waiting=_tell_waiting)
         except ConnectError as error:
             raise StopUnconfirmed(f"no stop was sent: {error}. Press the emergency stop") from error
 
@@ -207,6 +207,13 @@ def _print(done: FleetStop) -> None:
         "unproven": done.unproven,
     }
     say(json_module.dumps(table))
+
+
+def _tell_waiting(known: FleetStop) -> None:
+    """Print on the standard error who has answered, and for whom the stop still waits."""
+    names = (report.gateway for report in known.reports)
+    answered = ", ".join(name for name in names if name not in known.missing)
+    say(f"answered: {answered}; still waiting for {', '.join(known.missing)}", error=True)
 
 
 def _tell_standing(done: FleetStop) -> None:

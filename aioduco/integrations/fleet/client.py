@@ -165,7 +165,13 @@ class FleetClient(Uncopied):
         found.sort(key=lambda report: report.gateway)
         return FleetView(tuple(found), self._missing(report.gateway for report in found))
 
-    async def stop(self, arms: Iterable[str] | None = None, timeout: float = 6.0) -> FleetStop:
+    async def stop(
+        self,
+        arms: Iterable[str] | None = None,
+        timeout: float = 6.0,
+        *,
+        waiting: Callable[[FleetStop], object] | None = None,
+    ) -> FleetStop:
         """Stop arms, and wait until all gateways have answered.
 
         Each gateway gets the request as soon as it is discovered, also during the wait.
@@ -175,6 +181,8 @@ class FleetClient(Uncopied):
             timeout: time after which gateways without an answer are missing [s]. A gateway answers
                 after 5 s if one of its controllers does not answer: with the default it still says
                 which arms stand.
+            waiting: called with what is known by then as soon as a gateway has answered, and
+                others have not.
 
         Raises:
             ParameterError: the time is not above 0, or no arm is named; nothing was sent.
@@ -191,6 +199,7 @@ class FleetClient(Uncopied):
         asked: set[str] = set()  # of those present
         ever: set[str] = set()
         ended: set[str] = set()
+        told: set[str] = set()  # to `waiting`
 
         def answered(gateway: str, data: bytes, proof: bytes) -> None:
             key = self._keys.get(gateway)
@@ -222,14 +231,21 @@ class FleetClient(Uncopied):
                 ever.add(gateway)
                 ended.discard(gateway)
                 self._link.ask_for_stop(gateway, request, riddle, timeout, answered, all_answered)
-            return not missing()
+            lacking, done = missing(), answers.keys() & ended
+            if waiting is not None and lacking and done - told:
+                told.update(done)
+                waiting(known())
+            return not lacking
+
+        def known() -> FleetStop:
+            found = {arm.name for report in answers.values() for arm in report.arms}
+            unknown = tuple(sorted((names or frozenset()) - found))
+            reports = tuple(answers[name] for name in sorted(answers))
+            lies = unproven - {name for name in answers if name in self._keys}
+            return FleetStop(reports, tuple(sorted(missing())), unknown, tuple(sorted(lies)))
 
         await self._until(over, timeout)
-        found = {arm.name for report in answers.values() for arm in report.arms}
-        unknown = tuple(sorted((names or frozenset()) - found))
-        told = tuple(answers[name] for name in sorted(answers))
-        lies = unproven - {name for name in answers if name in self._keys}
-        return FleetStop(told, tuple(sorted(missing())), unknown, tuple(sorted(lies)))
+        return known()
 
     async def _until(self, over: Callable[[], bool], timeout: float) -> None:
         begin = anyio.current_time()

@@ -10,7 +10,7 @@ import signal
 import socket
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any, Self
@@ -371,7 +371,8 @@ def test_a_stop_that_is_not_confirmed_says_so_where_its_output_cannot_be_written
     stands, moves = ArmStopped("left"), ArmStopped("right", "not connected")
     lacking = FleetStop((StopReport("one", (stands, moves)),), ("two",), ())
 
-    async def stop(*_: object) -> FleetStop:
+    async def stop(*_: object, waiting: Callable[[FleetStop], object]) -> FleetStop:
+        waiting(lacking)
         return lacking
 
     monkeypatch.setattr(FleetClient, "__init__", lambda *_: None)
@@ -387,6 +388,7 @@ def test_a_stop_that_is_not_confirmed_says_so_where_its_output_cannot_be_written
         said = capsys.readouterr().err
         assert "output cannot be written" in said
         assert given or ("right" in said and "two" in said)
+        assert "answered: one; still waiting for two" in said
 
 
 @pytest.mark.slow

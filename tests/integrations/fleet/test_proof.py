@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable, Sequence
 from contextlib import AsyncExitStack
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -133,6 +134,21 @@ async def test_nobody_answers_for_a_gateway_that_is_dead(
         assert not done.confirmed
         assert "cell" in done.missing
         assert "cell" in done.unproven
+
+
+@pytest.mark.slow
+async def test_who_has_answered_is_told_while_others_are_waited_for(plant: FleetSettings) -> None:
+    known: list[FleetStop] = []
+    expecting = replace(plant, expect=("cell", "gone"))
+    async with (
+        FleetGateway(plant),
+        FleetClient(expecting) as client,
+        anyio.create_task_group() as tasks,
+    ):
+        tasks.start_soon(partial(client.stop, timeout=60.0, waiting=known.append))
+        await eventually_async(lambda: known)
+        tasks.cancel_scope.cancel()
+    assert known == [FleetStop((StopReport("cell", ()),), ("gone",), ())]
 
 
 @pytest.mark.slow
