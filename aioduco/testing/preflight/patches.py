@@ -320,7 +320,7 @@ class _Offloaded:
         self._hold(on_its_way=True)
 
     def __call__(self, *args: Any) -> Any:
-        self._clock.add_actor()
+        self._clock.add_actor(self._clock.LONGEST)
         self._hold(on_its_way=False)
         try:
             return self._function(*args)

@@ -80,6 +80,10 @@ class ProgramClock:
     with an event loop, and each of a pool while it computes for such a loop.
     """
 
+    #: longest time for which a thread of a pool is one, by the wall clock [s]: one that takes
+    #: longer is taken for one that runs beside the program, such as for a keyboard
+    LONGEST = 10.0
+
     def __init__(self) -> None:
         self._state = threading.Condition(threading.RLock())
         self._simulator: Simulator | None = None
@@ -87,6 +91,8 @@ class ProgramClock:
         #: offset on the simulator's time, or on the wall clock without a simulator [s]
         self._offset = 0.0
         self._actors: dict[int, int] = {}
+        #: until when those of pools are actors, by the wall clock [s]
+        self._limits: dict[int, float] = {}
         self._waits: set[Wait] = set()
         self._calls = 0
         self._streams: list[Callable[[], bool]] = []
@@ -259,15 +265,22 @@ class ProgramClock:
                     self._actors[wait.thread] -= 1
                 self._change()
 
-    def add_actor(self) -> None:
-        """The calling thread runs an event loop: it is an actor."""
+    def add_actor(self, longest: float | None = None) -> None:
+        """The calling thread is an actor: it runs an event loop, or computes for one.
+
+        Args:
+            longest: time for which it is one at most, by the wall clock [s]; None for no limit.
+        """
         with self._state:
             self._actors.setdefault(threading.get_ident(), 0)
+            if longest is not None:
+                self._limits[threading.get_ident()] = _monotonic() + longest
             self._change()
 
     def remove_actor(self) -> None:
-        """The calling thread's loop has ended."""
+        """The calling thread's loop, or what it computed for one, has ended."""
         with self._state:
+            self._limits.pop(threading.get_ident(), None)
             if threading.current_thread() is not threading.main_thread():
                 self._actors.pop(threading.get_ident(), None)
                 self._change()
@@ -354,6 +367,10 @@ class ProgramClock:
                 self._look()
 
     def _look(self) -> None:
+        for thread in [each for each, until in self._limits.items() if until < _monotonic()]:
+            del self._limits[thread]
+            self._actors.pop(thread, None)
+            self._change()
         if self._simulator is None:
             self._state.wait(_LOOK)
             self._fire()

@@ -355,3 +355,25 @@ def test_a_second_arm_is_found_since_both_would_be_the_same(tmp_path: Path, body
         ("not reached", number) for number in second
     ], report.findings
     assert all("a preflight has one arm" in each.text for each in report.findings)
+
+
+def test_a_thread_that_works_beside_the_program_does_not_hold_its_time_for_ever() -> None:
+    clock, over = ProgramClock(), threading.Event()
+
+    def last() -> None:
+        clock.add_actor(0.0)
+        over.wait(60.0)
+
+    lasting = threading.Thread(target=last)
+    with Simulator() as simulator:
+        clock.start()
+        clock.attach(simulator)
+        lasting.start()
+        try:
+            with clock.waiting(60.0):
+                begin = simulator.time
+                eventually(lambda: simulator.time > begin + 60.0)
+            over.set()
+            lasting.join()
+        finally:
+            clock.close()
