@@ -422,6 +422,27 @@ async def test_no_stream_while_the_arm_moves_by_what_this_program_resumed(
         await robot.stop()
 
 
+@pytest.mark.parametrize("kind", FOLLOWED)
+async def test_no_stream_on_an_arm_that_another_program_has_paused(
+    robot: aioduco.Robot, sim: Simulator, kind: str
+) -> None:
+    """It would move the arm when somebody resumes the motion, behind that."""
+    opened, feed, space, _ = KINDS[kind]
+
+    async def program() -> None:
+        async with opened(robot, THREAD) as stream:
+            await feed(robot, stream, space)
+
+    async with aioduco.connect(sim.host, sim.port) as other:
+        await other.motion.movej2([START[0] + 0.5, *START[1:]], v=0.5, a=2.0).start()
+        await other.pause()
+        before = sim.tasks
+        with pytest.raises(StreamRefused, match="the arm is paused"):
+            await program()
+        assert sim.tasks == before
+        await other.stop()
+
+
 async def test_no_stream_of_a_robot_that_is_not_open(sim: Simulator) -> None:
     robot = aioduco.connect(sim.host, sim.port)
     with pytest.raises(RobotStateError, match="the robot is not open"):

@@ -378,6 +378,19 @@ async def test_an_arm_that_others_stop_or_pause_after_the_last_set_point(
     assert len(controller.server.received("stop")) == (error is StreamRefused)
 
 
+async def test_a_set_point_that_waits_behind_a_motion_that_others_paused(
+    controller: Controller,
+) -> None:
+    """It has not begun when the stream is left: the arm would go there when somebody resumes it."""
+    states = itertools.chain([[6, 2, 5, 1]], itertools.repeat([6, 3, 5, 1]))
+    controller.server.answer("get_robot_state", lambda: next(states))
+    controller.server.answer("get_noneblock_taskstate", 0)
+    stream = controller.servo.joints(v=1.0, a=5.0, options=UNWATCHED)
+    with pytest.raises(StreamRefused, match="the arm is paused"):
+        await sent_to_the_end(stream, 20)
+    assert len(controller.server.received("stop")) == 1
+
+
 @pytest.mark.slow
 async def test_a_controller_that_answers_no_more_ends_the_stream_and_is_told_to_stop(
     controller: Controller,

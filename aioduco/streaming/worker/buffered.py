@@ -225,7 +225,7 @@ class RealtimeQueueDriver(Driver):
         """Do the work of one tick; returns whether there is another one."""
         if self._running:
             return self._fill()
-        if self.life.state is not StreamState.ENDED and self._feed.begin():
+        if self.life.state is not StreamState.ENDED and self._feed.begin(self._may_begin):
             return self._start()
         self._feed.step()
         return self.life.state < StreamState.ENDED
@@ -353,6 +353,8 @@ class TrackPoolDriver(Driver):
         first = ring.take()
         if first is None:
             return True
+        if not self._may_begin():
+            return False
         actual = read_six(self._connection.call, self._pool.read, self._timeout)
         space = self._pool.space
         reach = tuple(self._block.config.feeding.reach)

@@ -87,7 +87,15 @@ class Driver(ABC):
             state = call("get_noneblock_taskstate", (task,), timeout)
             reason, text = ended(task, state, waits=waits)
         else:
-            reason, text = disabled(call("get_robot_state", (), timeout))
+            reason, text = disabled(call("get_robot_state", (), timeout), waits=waits)
+        return not reason or self._finish(reason, text)
+
+    def _may_begin(self) -> bool:
+        """Whether the controller would follow at once; if it would not, end: nothing was sent.
+
+        What waits behind a paused motion would move the arm when somebody resumes that.
+        """
+        reason, text = disabled(self._connection.call("get_robot_state", (), self._timeout))
         return not reason or self._finish(reason, text)
 
     def _finish(self, reason: Reason, text: str = "") -> bool:

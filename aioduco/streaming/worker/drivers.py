@@ -57,7 +57,7 @@ class CallDriver(Driver):
         feed = self._feed
         values, self._ahead = self._ahead, None
         if values is None:
-            feed.begin()
+            feed.begin(self._may_begin)
             values = self._step()
         if values is not None:
             values = feed.wire(values)

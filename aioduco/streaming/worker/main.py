@@ -44,7 +44,7 @@ from aioduco.streaming.worker.clock import ProcessorShare, Schedule, sharpen_sle
 from aioduco.streaming.worker.drivers import CallDriver, ProbeDriver
 from aioduco.streaming.worker.permit import PermitEnded, StreamPermit
 from aioduco.streaming.worker.rest import bring_to_rest
-from aioduco.streaming.worker.watch import ended, refused
+from aioduco.streaming.worker.watch import disabled, ended, refused
 from aioduco.supervision.unanswered import UnansweredMotion
 
 if TYPE_CHECKING:
@@ -213,7 +213,10 @@ class StreamWorker:
         state = own.call("get_noneblock_taskstate", (task,), self._timeout)
         if state == TaskState.INTERRUPT:  # not by the next set-point: there is none
             return Reason.STOPPED, f"task {task} was interrupted by another program"
-        return ended(task, state)
+        reason, text = ended(task, state)
+        if reason or state == TaskState.FINISHED:
+            return reason, text
+        return disabled(own.call("get_robot_state", (), self._timeout))
 
     def _explanation(self, own: OwnConnection) -> str:
         """What the controller reports, for messages: a collision, and the newest of its errors.

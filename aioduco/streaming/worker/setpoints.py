@@ -373,15 +373,18 @@ class SetpointFeed:
         """Whether a step may read over the connection, which then must have no open call."""
         return self._meaning == "speed" and self._config.envelope is not None
 
-    def begin(self) -> bool:
+    def begin(self, allowed: Callable[[], bool]) -> bool:
         """Read the arm's position, as soon as there is a first set-point.
+
+        Args:
+            allowed: called once, before that; whether the stream may begin.
 
         Returns:
             Whether the stream has begun.
         """
         if self._generator is not None:
             return True
-        if not self._block.ring.level:
+        if not self._block.ring.level or not allowed():
             return False
         limits, space, period = self._config.sent.limits, self._space, self._period
         if self._meaning == "speed":

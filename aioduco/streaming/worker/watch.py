@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.models.enums import RobotState, TaskState
+from aioduco.models.enums import ProgramState, RobotState, TaskState
 from aioduco.streaming.shared.words import Reason
 
 if TYPE_CHECKING:
@@ -40,11 +40,12 @@ def ended(task: int, state: int, *, waits: bool = False) -> tuple[Reason, str]:
     return Reason.NONE, ""
 
 
-def disabled(states: Sequence[int]) -> tuple[Reason, str]:
+def disabled(states: Sequence[int], *, waits: bool = False) -> tuple[Reason, str]:
     """Why a stream must end because of the robot's state.
 
     Args:
         states: the states, as the controller gave them; none: it does not report them.
+        waits: as for `ended`.
 
     Returns:
         As `ended`.
@@ -52,4 +53,6 @@ def disabled(states: Sequence[int]) -> tuple[Reason, str]:
     robot = RobotState(states[0]) if states else RobotState.ENABLE
     if robot != RobotState.ENABLE:
         return Reason.REFUSED, f"the robot is in state {robot}, not ENABLE (manual 1.2)"
+    if not waits and states[1:2] and states[1] in (ProgramState.PAUSED, ProgramState.PAUSING):
+        return Reason.REFUSED, "the arm is paused: by a person, or by another program"
     return Reason.NONE, ""
