@@ -234,6 +234,22 @@ def test_without_a_new_chunk_the_arm_stands_at_the_last_action_and_the_stream_en
     assert (bench.source.state, bench.source.reason) == (StreamState.ENDED, Reason.STARVED)
 
 
+@pytest.mark.parametrize("dropped", [0, 64])
+def test_a_long_chunk_that_is_sent_last_is_followed_to_its_end(dropped: int) -> None:
+    """The arm stands at the chunk before it, and one tick does not take all of its actions."""
+    bench = Bench()
+    bench.send([ZERO])
+    bench.tick(20)
+    bench.send([ZERO] * dropped, bench.now - 30.0)
+    way = ramp(0.0, 0.2, 200)
+    bench.send(way)
+    bench.source.close()
+    while bench.tick() is not StreamState.ENDED:
+        pass
+    assert bench.source.reason is Reason.CLOSED
+    assert bench.given[-1] == pytest.approx(way[-1])
+
+
 def test_a_first_chunk_from_far_away_moves_nothing() -> None:
     bench = Bench()
     bench.send(ramp(0.2, 0.0, 10))

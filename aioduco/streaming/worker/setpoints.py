@@ -275,17 +275,19 @@ class SetpointSource(Life):
         passed: int,
     ) -> None:
         timeline.advance(self._clock() * 1e-9, closing=self.closing)
+        point: SetPoint | None = None
         for _ in range(_PER_TICK):
             point = take()
             if point is None:
                 break
             self._add(timeline, generator, point)
+        more = point is not None  # they may come in the next tick
         if self.state is StreamState.WAITING:
-            if self.closing:
+            if self.closing and not more:
                 self.end(Reason.CLOSED)
         elif self.state is StreamState.ENDED:
             return
-        elif not timeline.ready:
+        elif more or not timeline.ready:
             self._idle = 0
             self.following()
         elif self.closing:
