@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import time
 from contextlib import asynccontextmanager
+from inspect import isasyncgen
 from typing import TYPE_CHECKING, Any, Self
 
 import anyio
 import anyio.lowlevel
 
 from aioduco._process.copying import Uncopied
-from aioduco.errors import DucoError, ParameterError, SetPointTooFar
+from aioduco.errors import DucoError, ParameterError, SetPointTooFar, StreamError
 from aioduco.models.rules import Number, VectorLike, listed
 from aioduco.streaming.sampling import sampled
 from aioduco.streaming.session import Session
@@ -287,7 +288,8 @@ class Stream(Uncopied):
     async def follow(self, source: AsyncIterable[VectorLike]) -> None:
         """Send every set-point of an async iterator until it ends.
 
-        An iterator that gives no more of them is cancelled when the stream has ended.
+        When the stream has ended, an iterator that gives no more of them is cancelled, and an async
+        generator is closed.
 
         Args:
             source: async iterator over the set-points.
@@ -299,15 +301,21 @@ class Stream(Uncopied):
         if not hasattr(source, "__aiter__"):
             raise ParameterError("source", source, "an async iterator; an array goes to play()")
 
-        async def watch() -> None:
-            await self._session.until_gone()
+        # a task of its own: what the iterator keeps open between two set-points is none of ours
+        async def feed() -> None:
+            try:
+                async for point in source:
+                    await self.send(point)
+            except StreamError:
+                if isasyncgen(source):
+                    await source.aclose()
+                raise
             tasks.cancel_scope.cancel()
 
         try:
             async with anyio.create_task_group() as tasks:
-                tasks.start_soon(watch)
-                async for point in source:
-                    await self.send(point)
+                tasks.start_soon(feed)
+                await self._session.until_gone()
                 tasks.cancel_scope.cancel()
         except BaseExceptionGroup as group:
             raise first_error(group) from None

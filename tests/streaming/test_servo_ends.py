@@ -70,6 +70,24 @@ async def test_a_source_that_gives_no_more_does_not_hide_the_end(controller: Con
     assert controller.names()[-1] == "stop"
 
 
+async def test_a_source_that_is_in_a_scope_of_its_own_hides_no_end(controller: Controller) -> None:
+    stream = controller.servo.joints(v=1.0, a=5.0, options=THREAD)
+
+    async def source() -> AsyncIterator[list[float]]:
+        with anyio.CancelScope():
+            yield HERE
+            stream.halt()
+            while True:
+                yield HERE
+
+    async def program() -> None:
+        async with stream:
+            await stream.follow(source())
+
+    with pytest.raises(StreamStopped):
+        await program()
+
+
 async def test_an_error_of_a_source_is_its_own(controller: Controller) -> None:
     async def source() -> AsyncIterator[list[float]]:
         yield HERE
