@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from aioduco.errors import ParameterError
+from aioduco._process.platform import boot_time
+from aioduco.errors import ParameterError, StreamStarved
 from aioduco.testing import eventually
 
 if TYPE_CHECKING:
@@ -86,6 +87,26 @@ def test_an_action_a_little_beyond_a_joint_s_end_is_cut(duco: Any) -> None:
     seen = duco.get_observation()
     sent = duco.send_action({**seen, "joint_1.pos": 6.3})
     assert sent["joint_1.pos"] == pytest.approx(seen["joint_1.pos"] + 0.05)
+
+
+@pytest.mark.duco_speed(1.0)  # a stream's times are the wall's
+def test_an_action_after_a_lost_heartbeat_moves_nothing_and_says_why(duco: Any) -> None:
+    """It was stopped, which the program has to be told; a pause between two episodes goes on."""
+    action = duco.get_observation()
+    duco.send_action(action)
+    eventually(lambda: duco.statistics().reason.name == "STARVED")
+    duco.send_action(action)
+    runner = duco._robot._runner
+    gate = runner.robot._supervisor.permits.gate
+    runner.call_sync(gate.lapse)
+    eventually(lambda: duco.statistics().reason.name == "LAPSED")
+    runner.call_sync(lambda: gate.beaten(boot_time() + 60.0))  # it beats again: all could go on
+    opened = duco._stream
+    with pytest.raises(StreamStarved, match="heartbeat was lost"):
+        duco.send_action(action)
+    assert duco._stream is opened
+    with pytest.raises(StreamStarved, match="heartbeat was lost"):
+        duco.disconnect()
 
 
 def interrupted(duco: Any) -> None:

@@ -15,7 +15,7 @@ from lerobot.robots import Robot
 from lerobot.utils.errors import DeviceAlreadyConnectedError, DeviceNotConnectedError
 
 import aioduco.sync
-from aioduco import WorkerOptions
+from aioduco import StreamStatistics, WorkerOptions
 from aioduco.errors import ParameterError, StaleState, StreamStarved
 from lerobot_robot_duco.config_duco import DucoConfig
 
@@ -34,6 +34,12 @@ logger = logging.getLogger(__name__)
 def as_values(joints: Sequence[float]) -> dict[str, float]:
     """Joint angles [rad] by their names."""
     return {key: float(angle) for key, angle in zip(KEYS, joints, strict=True)}
+
+
+def _only_late(error: StreamStarved) -> bool:
+    """Whether no action came in time; not that the program hung, or its heartbeat was lost."""
+    statistics = error.statistics
+    return isinstance(statistics, StreamStatistics) and statistics.reason.name == "STARVED"
 
 
 class Duco(Robot):
@@ -204,8 +210,10 @@ class Duco(Robot):
         sent = self._cut(wanted)
         try:
             self._streaming_on().send(sent)
-        except StreamStarved:
+        except StreamStarved as error:
             # Nothing was sent for a while, such as between two episodes: the arm stands.
+            if not _only_late(error):
+                raise
             logger.info("%s: goes on after a pause", self)
             self._end_stream(starved=True)
             sent = self._cut(wanted)
@@ -247,8 +255,10 @@ class Duco(Robot):
             return
         try:
             stream.__exit__(None, error, None)
-        except StreamStarved:
+        except StreamStarved as end:
             # It has ended by itself since the last action, and the arm stands.
+            if not _only_late(end):
+                raise
             if not starved:
                 logger.info("%s: the arm stood before it was disconnected", self)
 
