@@ -21,7 +21,7 @@ import aioduco
 from aioduco import Joints
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
+    from collections.abc import AsyncIterator, Coroutine
 
 NAMESPACE = "urn:example:duco"
 
@@ -38,14 +38,25 @@ async def served(robot: aioduco.Robot, endpoint: str) -> AsyncIterator[Server]:
     joints = await arm.add_variable(space, "Joints", [0.0] * 6)
     state = await arm.add_variable(space, "State", "")
     moving = await arm.add_variable(space, "Moving", False)
+    refused = await arm.add_variable(space, "Refused", "")  # why the last motion was; else empty
+
+    async def carry_out(start: Coroutine[Any, Any, aioduco.Task]) -> None:
+        why = ""
+        try:
+            await start
+        except aioduco.DucoError as error:
+            why = str(error)
+        await refused.write_value(why)
 
     @uamethod
     async def move(_: Any, angles: list[float], speed: float) -> str:
-        """Start a motion to joints [rad]; an empty text if it was accepted, else why not."""
+        """Send a motion to joints [rad]; an empty text if its numbers are right, else why not."""
         try:
-            await robot.motion.movej2(Joints.of(angles), v=speed, a=1.5).start()
+            start = robot.motion.movej2(Joints.of(angles), v=speed, a=1.5).start()
         except (aioduco.DucoError, ValueError) as error:
             return str(error)
+        # not awaited here: a session's calls are served one by one, and Stop would wait for it
+        tasks.start_soon(carry_out, start)
         return ""
 
     @uamethod

@@ -21,7 +21,7 @@ from ports import free_port
 
 import aioduco
 from aioduco.sim import Simulator
-from aioduco.testing import FaultProxy, HalfOpen, eventually, eventually_async
+from aioduco.testing import FaultProxy, HalfOpen, HoldReply, eventually, eventually_async
 
 FAR = [1.5, -0.2, 1.4, 0.0, -1.5, 0.0]
 
@@ -142,6 +142,34 @@ async def test_an_opc_ua_client_moves_and_stops_it(robot: aioduco.Robot, sim: Si
         assert not sim.view.moving
         state = await arm.get_child(f"{space}:State")
         assert await state.read_value() == "ENABLE"
+
+
+async def test_an_opc_ua_client_s_stop_does_not_wait_for_the_answer_to_its_move(
+    sim: Simulator,
+) -> None:
+    """The calls of a session are served one after the other."""
+    client_of = need("asyncua.client.client").Client
+    module = example("server_opcua")
+    endpoint = f"opc.tcp://127.0.0.1:{free_port()}"
+    with FaultProxy(sim.host, sim.port) as proxy:
+        async with aioduco.connect(proxy.host, proxy.port, call_timeout=60.0) as robot:
+            await robot.bring_up()
+            async with module.served(robot, endpoint), client_of(endpoint, timeout=60.0) as client:
+                await robot.rearm_heartbeat()  # as above
+                space = await client.get_namespace_index(module.NAMESPACE)
+                arm = await client.nodes.objects.get_child(f"{space}:Arm")
+                proxy.on("movej2", HoldReply())
+                move = asyncio.create_task(arm.call_method(f"{space}:Move", FAR, 0.3))
+                await eventually_async(lambda: sim.view.moving)
+                stop = asyncio.create_task(arm.call_method(f"{space}:Stop"))
+                await eventually_async(lambda: proxy.calls("stop") and not sim.view.moving)
+                assert not stop.done()  # the answer that is missing may still begin the motion
+                proxy.cut()
+                await stop
+                assert await move == ""
+                refused = await arm.get_child(f"{space}:Refused")
+                while not await refused.read_value():  # noqa: ASYNC110 - only asking tells
+                    await asyncio.sleep(0)
 
 
 @pytest.fixture
