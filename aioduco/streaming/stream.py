@@ -180,7 +180,7 @@ class Stream(Uncopied):
 
         The first call waits until the worker has compared the set-point with the arm's position; if
         it is interrupted, the stream ends. Later calls wait while enough set-points are queued, or
-        never with `latest`.
+        never with `latest`; if one is cancelled, its set-point is not sent.
 
         Args:
             point: the set-point, in the stream's units. Shape (6,).
@@ -412,6 +412,7 @@ class Stream(Uncopied):
     async def _feed(
         self, points: Iterable[tuple[float, ...]], ahead: int, extra: bytes = b""
     ) -> None:
+        await anyio.lowlevel.checkpoint()  # first: a set-point that was written is followed
         ring = self._session.alive().ring
         for number, values in enumerate(points, 1):
             while ring.level >= ahead and not self._feeding.latest:
@@ -426,7 +427,6 @@ class Stream(Uncopied):
                 await anyio.lowlevel.checkpoint()
                 self._session.alive()
         await self._begin()
-        await anyio.lowlevel.checkpoint()
 
     def _placed(self, values: tuple[float, ...]) -> tuple[float, ...]:
         """Return the set-point for what the program gives, just before it is written.

@@ -206,6 +206,19 @@ async def test_a_cancelled_first_set_point_is_not_followed(
     assert all(abs(point[0] - HERE[0]) < 1e-4 for point in controller.points())
 
 
+async def test_a_cancelled_offset_is_not_followed(controller: Controller) -> None:
+    """Else a program that sends it again would move the arm twice as far."""
+    moved = [0.001, 0.0, 0.0, 0.0, 0.0, 0.0]
+    async with controller.servo.tcp_offset(v=1.0, a=5.0, options=THREAD) as stream:
+        await stream.send(moved)
+        with anyio.CancelScope() as scope:
+            scope.cancel()
+            await stream.send(moved)
+        assert scope.cancelled_caught
+        await stream.send(moved)
+    assert np.array(controller.points("servo_tcp"))[:, 0].sum() == pytest.approx(0.002)
+
+
 async def test_a_cancelled_chunk_is_not_followed(controller: Controller) -> None:
     stream = controller.servo.joints(
         v=1.0, a=5.0, source_rate=30, upsample="cubic", chunks=True, hold=0.2, options=THREAD
