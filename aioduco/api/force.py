@@ -16,10 +16,6 @@ if TYPE_CHECKING:
     from aioduco.supervision.command import MotionCommand
 
 
-#: seconds within which the controller must have carried out a function that takes no time
-_LIMIT = 10.0
-
-
 class Force(Section):
     """Force control (力控函数, manual 1.3.10): motions give way to the force at the tool.
 
@@ -54,7 +50,7 @@ class Force(Section):
         # before the call is sent, since its answer may be lost
         was_on, modes.force_control = modes.force_control, True
         try:
-            await self._carry_out(calls.fc_start(), _LIMIT)
+            await self._carry_out(calls.fc_start())
         except (TaskError, Refused, UnknownFunction, RobotStateError) as exc:
             # an answer that is neither an end nor a refusal leaves it open
             code = exc.code if isinstance(exc, Refused) else -1
@@ -75,7 +71,7 @@ class Force(Section):
 
         Manual section 1.3.10.
         """
-        await self._carry_out_standing(calls.fc_stop(), _LIMIT)
+        await self._carry_out_standing(calls.fc_stop())
         self._supervisor.stop_coordinator.modes.force_control = False
 
     async def fc_config(
@@ -121,9 +117,7 @@ class Force(Section):
         band = ranges.FORCE_DEAD_BAND("dead_band", dead_band)
         tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
         frame_ = ranges.FORCE_FRAME("frame", frame)
-        await self._carry_out(
-            calls.fc_config(on, ft, by, fastest, band, tool_, wobj_, frame_), _LIMIT
-        )
+        await self._carry_out(calls.fc_config(on, ft, by, fastest, band, tool_, wobj_, frame_))
 
     def fc_move(self) -> MotionCommand:
         """Move by force control alone (仅基于末端力控产生的补偿运动).
@@ -170,7 +164,7 @@ class Force(Section):
         tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
         frame_ = ranges.FORCE_FRAME("frame", frame)
         property_ = ranges.FORCE_PROPERTY("force_property", force_property)
-        await self._carry_out(calls.fc_guard_act(on, ft, tool_, wobj_, frame_, property_), _LIMIT)
+        await self._carry_out(calls.fc_guard_act(on, ft, tool_, wobj_, frame_, property_))
 
     async def fc_guard_deact(self) -> None:
         """End the monitoring of the force (禁用力安全监控).
@@ -180,7 +174,7 @@ class Force(Section):
 
         Manual section 1.3.10.
         """
-        await self._carry_out(calls.fc_guard_deact(), _LIMIT)
+        await self._carry_out(calls.fc_guard_deact())
 
     async def fc_force_set_value(self, direction: FlagsLike, ref_ft: VectorLike) -> None:
         """Set the force sensor's present reading (力传感器读数设置为指定值), to tare it.
@@ -196,7 +190,7 @@ class Force(Section):
         Manual section 1.3.10.
         """
         on, ft = ranges.DIRECTIONS("direction", direction), ranges.SENSOR_WRENCH("ref_ft", ref_ft)
-        await self._carry_out(calls.fc_force_set_value(on, ft), _LIMIT)
+        await self._carry_out(calls.fc_force_set_value(on, ft))
 
     async def fc_wait_pos(
         self,
@@ -230,12 +224,8 @@ class Force(Section):
         """
         middle_ = ranges.WAIT_POSITION("middle", middle)
         range_ = ranges.wait_range(ranges.WAIT_POSITION_RANGE, range)
-        absolute_ = ranges.FLAG("absolute", absolute)
-        duration_ = ranges.WAIT_DURATION("duration", duration)
-        timeout_ = ranges.WAIT_TIMEOUT("timeout", timeout)
-        await self._carry_out(
-            calls.fc_wait_pos(middle_, range_, absolute_, duration_, timeout_), _LIMIT
-        )
+        when = _when(absolute=absolute, duration=duration, timeout=timeout)
+        await self._carry_out(calls.fc_wait_pos(middle_, range_, *when))
 
     async def fc_wait_vel(
         self,
@@ -269,12 +259,8 @@ class Force(Section):
         """
         middle_ = ranges.WAIT_VELOCITY("middle", middle)
         range_ = ranges.wait_range(ranges.WAIT_VELOCITY_RANGE, range)
-        absolute_ = ranges.FLAG("absolute", absolute)
-        duration_ = ranges.WAIT_DURATION("duration", duration)
-        timeout_ = ranges.WAIT_TIMEOUT("timeout", timeout)
-        await self._carry_out(
-            calls.fc_wait_vel(middle_, range_, absolute_, duration_, timeout_), _LIMIT
-        )
+        when = _when(absolute=absolute, duration=duration, timeout=timeout)
+        await self._carry_out(calls.fc_wait_vel(middle_, range_, *when))
 
     async def fc_wait_ft(
         self,
@@ -308,12 +294,8 @@ class Force(Section):
         """
         middle_ = ranges.WAIT_WRENCH("middle", middle)
         range_ = ranges.wait_range(ranges.WAIT_WRENCH_RANGE, range)
-        absolute_ = ranges.FLAG("absolute", absolute)
-        duration_ = ranges.WAIT_DURATION("duration", duration)
-        timeout_ = ranges.WAIT_TIMEOUT("timeout", timeout)
-        await self._carry_out(
-            calls.fc_wait_ft(middle_, range_, absolute_, duration_, timeout_), _LIMIT
-        )
+        when = _when(absolute=absolute, duration=duration, timeout=timeout)
+        await self._carry_out(calls.fc_wait_ft(middle_, range_, *when))
 
     async def fc_wait_logic(self, logic: WholesLike | tuple[ForceLogic, ...]) -> None:
         """Combine the conditions, and restart them (条件判断间的逻辑关系).
@@ -329,7 +311,7 @@ class Force(Section):
         Manual section 1.3.10.
         """
         logic_ = ranges.WAIT_LOGIC("logic", logic)
-        await self._carry_out(calls.fc_wait_logic(logic_), _LIMIT)
+        await self._carry_out(calls.fc_wait_logic(logic_))
 
     async def fc_get_ft(self) -> Vector:
         """Read the force sensor (末端传感器的原始反馈读数), tared, in its own frame [N, N·m].
@@ -342,3 +324,12 @@ class Force(Section):
     async def fc_mode_is_active(self) -> bool:
         """Tell whether force control is on (末端力控功能启用状态). Manual section 1.3.10."""
         return await self._rpc.fc_mode_is_active()
+
+
+def _when(*, absolute: bool, duration: Real, timeout: Real) -> tuple[bool, int, int]:
+    """Check what the conditions have in common, and return it in the wire's order."""
+    return (
+        ranges.FLAG("absolute", absolute),
+        ranges.WAIT_DURATION("duration", duration),
+        ranges.WAIT_TIMEOUT("timeout", timeout),
+    )

@@ -48,6 +48,8 @@ JOG_TIME: Final = 1.0
 #: time for which an arm may swing after the end of its motion, and interval of the polls [s]
 _SETTLING: Final = 0.5
 _ASK_AGAIN: Final = 0.02
+#: seconds within which the controller must have carried out a function that takes no time
+_CARRY_OUT_WITHIN: Final = 10.0
 #: how often a call must add to the error list to count as failed, if only the list tells; what is
 #: added once may be of something else that happened meanwhile
 LOOKS: Final = 2
@@ -271,25 +273,18 @@ class Section(Uncopied, ManualNames):
         self._supervisor.check_open(call.name)
         await self._supervisor.dispatcher.perform(call.name, call.args, limit)
 
-    async def _carry_out(self, call: WireCall[int], timeout: float) -> None:
-        """Carry out a function that has no `block`, moves nothing, and answers with a task's id.
-
-        Args:
-            call: the call.
-            timeout: seconds within which the task must end.
-        """
+    async def _carry_out(self, call: WireCall[int]) -> None:
+        """Carry out a function that has no `block`, takes no time, and answers with a task's id."""
         self._supervisor.check_open(call.name)
         before = await self._follower.error_list()
-        await self._end_of(call, await self._rpc.send(call), before, timeout)
+        await self._end_of(call, await self._rpc.send(call), before)
 
-    async def _end_of(
-        self, call: WireCall[int], answer: int, before: Sequence[str], timeout: float
-    ) -> None:
+    async def _end_of(self, call: WireCall[int], answer: int, before: Sequence[str]) -> None:
         """Wait for the end of a call that was answered; `_carry_out` describes it."""
         if answer > max(TaskState):
             command = Command(call.name, call.args, motion=False)
             task = self._supervisor.dispatcher.adopt(command, answer, before)
-            await self._follower.completed(task, timeout)
+            await self._follower.completed(task, _CARRY_OUT_WITHIN)
         else:
             await self._check(call.name, answer, before)
 
@@ -342,7 +337,7 @@ class Section(Uncopied, ManualNames):
             raise Refused(call.name, answer, why)
         return answer
 
-    async def _carry_out_standing(self, call: WireCall[int], timeout: float) -> None:
+    async def _carry_out_standing(self, call: WireCall[int]) -> None:
         """As `_carry_out`, of a function that would make a moving arm jump.
 
         Raises:
@@ -358,7 +353,7 @@ class Section(Uncopied, ManualNames):
             _, cancelled = await run_to_completion(sent.wait)
             if (error := cancelled or sent.error) is not None:
                 raise error
-            await self._end_of(call, sent.value, before, timeout)
+            await self._end_of(call, sent.value, before)
 
     async def _check_standstill(self, function: str) -> None:
         """Check that the arm stands; it may swing a little after the end of a motion."""

@@ -14,10 +14,6 @@ if TYPE_CHECKING:
     from aioduco.models.rules import Real, Whole
 
 
-#: seconds within which the controller must have switched to its simulation or back
-_LIMIT = 10.0
-
-
 class Settings(Section):
     """Speeds, collision detection, simulation, pendant (manual 1.3.7).
 
@@ -115,7 +111,7 @@ class Settings(Section):
         Manual section 1.3.7.
         """
         sim_ = ranges.FLAG("sim", sim)
-        await self._carry_out_standing(calls.simulation(sim_, False), _LIMIT)
+        await self._carry_out_standing(calls.simulation(sim_, False))
 
     async def get_simulation_state(self) -> bool:
         """Tell whether the controller simulates the arm (仿真状态).
