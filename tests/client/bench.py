@@ -13,6 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+from aioduco import Robot, Task
 from aioduco._wire import rpc
 from aioduco.models.enums import ProgramState, TaskState
 from aioduco.testing import RecordingServer
@@ -297,3 +298,9 @@ class Bench(RecordingServer):
             emcStopSignal=self.emergency_stop,
             robotState=self.states[0],
         )
+
+
+async def under_way(bench: Bench, robot: Robot, **options: Any) -> Task:
+    """A motion that goes on until something ends it."""
+    bench.motion_time = 600.0
+    return await robot.motion.movej2(HOME, v=1.0, a=1.0).start(**options)

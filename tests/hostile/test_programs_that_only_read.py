@@ -7,7 +7,7 @@ import signal
 import time
 
 import pytest
-from client.bench import HOME, Bench
+from client.bench import HOME, Bench, under_way
 
 import aioduco
 from aioduco import HeartbeatState
@@ -59,14 +59,13 @@ def test_a_killed_program_that_moves_has_its_arm_stopped(bench: Bench) -> None:
 async def test_a_hung_program_has_only_its_own_motion_stopped(
     bench: Bench, guard: GuardKind | None, moves: bool
 ) -> None:
-    bench.motion_time = 600.0
     async with aioduco.connect(
         bench.host, bench.port, guard=guard, heartbeat=2.0, loop_stall_limit=1.5
     ) as robot:
         heart = robot._supervisor.heartbeat
         assert heart is not None
         if moves:
-            await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+            await under_way(bench, robot)
         eventually(lambda: heart.state is HeartbeatState.STALLED, timeout=30.0)  # blocks the loop
         if moves:
             eventually(lambda: bench.stops >= 1, timeout=30.0)

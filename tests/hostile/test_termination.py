@@ -8,7 +8,7 @@ import subprocess
 import sys
 
 import pytest
-from client.bench import HOME, Bench
+from client.bench import HOME, Bench, under_way
 
 import aioduco
 from aioduco.testing import eventually, eventually_async
@@ -43,11 +43,10 @@ async def test_a_guard_that_is_told_to_end_stops_the_arm_and_goes_on(
     bench: Bench, number: signal.Signals
 ) -> None:
     """The program may be ending in an orderly way, and needs its stop for that."""
-    bench.motion_time = 600.0
     async with aioduco.connect(bench.host, bench.port, guard="process", heartbeat=60.0) as robot:
         guard, pid = guard_of(robot)
         for round_ in (1, 2):
-            task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+            task = await under_way(bench, robot)
             os.kill(pid, number)
             assert await task.wait() is aioduco.Outcome.STOPPED
             assert bench.stops == round_
@@ -59,12 +58,11 @@ async def test_a_guard_that_is_told_to_end_stops_the_arm_and_goes_on(
 
 @pytest.mark.slow
 async def test_a_guard_that_is_told_to_end_stops_nobody_elses_arm(bench: Bench) -> None:
-    bench.motion_time = 600.0
     async with (
         aioduco.connect(bench.host, bench.port) as mover,
         aioduco.connect(bench.host, bench.port, guard="process", heartbeat=60.0) as onlooker,
     ):
-        task = await mover.motion.movej2(HOME, v=1.0, a=1.0).start()
+        task = await under_way(bench, mover)
         os.kill(guard_of(onlooker)[1], signal.SIGTERM)
         await onlooker.aclose()  # the guard has come to the signal before it comes to an end
         assert bench.stops == 0

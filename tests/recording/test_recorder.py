@@ -16,7 +16,7 @@ from typing import Any
 import anyio
 import foxglove
 import pytest
-from client.bench import HOME, Bench
+from client.bench import HOME, Bench, under_way
 from interpreter import python
 
 import aioduco
@@ -559,8 +559,7 @@ async def test_what_an_observer_raises_stands_between_nothing(
         raise ZeroDivisionError
 
     end = robot._supervisor.observe(fails, fails)
-    bench.motion_time = 600.0
-    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    task = await under_way(bench, robot)
     await robot.stop()
     with pytest.raises(TaskStopped):
         await task

@@ -15,7 +15,7 @@ from typing import Literal
 
 import anyio
 import pytest
-from client.bench import HOME, Bench
+from client.bench import HOME, Bench, under_way
 from moments import cancelled_once
 
 import aioduco
@@ -135,8 +135,7 @@ async def test_timeouts_of_either_library_stop_the_arm(
 async def test_looking_on_can_be_cancelled_without_effect(
     robot: aioduco.Robot, bench: Bench
 ) -> None:
-    bench.motion_time = 30.0
-    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    task = await under_way(bench, robot)
     with anyio.move_on_after(0.02) as scope:
         await task.wait()
     assert scope.cancelled_caught
@@ -150,9 +149,8 @@ async def test_looking_on_can_be_cancelled_without_effect(
 
 
 async def test_on_cancel_pause_leaves_the_task_paused(bench: Bench) -> None:
-    bench.motion_time = 30.0
     async with aioduco.connect(bench.host, bench.port, on_cancel="pause") as robot:
-        task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        task = await under_way(bench, robot)
         with anyio.move_on_after(0.05):
             await task
         assert bench.commands == ["movej2", "pause"]
@@ -175,8 +173,7 @@ async def test_on_cancel_pause_stops_if_the_pause_is_refused(bench: Bench) -> No
 
 
 async def test_on_cancel_detach_lets_the_arm_move_on(robot: aioduco.Robot, bench: Bench) -> None:
-    bench.motion_time = 30.0
-    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start(on_cancel="detach")
+    task = await under_way(bench, robot, on_cancel="detach")
     with anyio.move_on_after(0.05):
         await task
     assert bench.moving()
@@ -285,7 +282,6 @@ async def test_no_error_of_a_signals_handler_breaks_off_a_stop(
     robot: aioduco.Robot, bench: Bench, monkeypatch: pytest.MonkeyPatch, way: str, step: str
 ) -> None:
     """A handler may raise in any line of the program, as one of SIGALRM that ends a wait does."""
-    bench.motion_time = 30.0
     coordinator = robot._supervisor.stop_coordinator
     carry_out, raised = getattr(coordinator, step), [TimeoutError("the time is over")]
 
@@ -294,7 +290,7 @@ async def test_no_error_of_a_signals_handler_breaks_off_a_stop(
             raise raised.pop()
         await carry_out(*args)
 
-    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    task = await under_way(bench, robot)
     awaiting = asyncio.ensure_future(_awaited(task))
     await anyio.wait_all_tasks_blocked()
     monkeypatch.setattr(coordinator, step, interrupted)

@@ -9,7 +9,7 @@ from typing import Any
 
 import anyio
 import pytest
-from client.bench import HOME, Bench
+from client.bench import HOME, Bench, under_way
 from moments import cancelled_once
 
 import aioduco
@@ -49,9 +49,8 @@ async def test_a_motion_that_runs_is_stopped(bench: Bench) -> None:
 
 
 async def test_how_a_motion_ended_is_known_that_would_be_polled_much_later(bench: Bench) -> None:
-    bench.motion_time = 30.0
     async with aioduco.connect(bench.host, bench.port) as robot:
-        task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        task = await under_way(bench, robot)
         follower = robot._supervisor.stop_coordinator.follower
         await eventually_async(lambda: task.state is TaskState.RUNNING)
         follower._due[task] += 60.0
@@ -86,11 +85,10 @@ async def test_a_detached_motion_is_stopped_when_leaving(bench: Bench) -> None:
 
 
 async def test_an_exception_inside(bench: Bench) -> None:
-    bench.motion_time = 30.0
 
     async def program() -> None:
         async with aioduco.connect(bench.host, bench.port) as robot:
-            await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+            await under_way(bench, robot)
             _ = 1 / 0
 
     with pytest.raises(ZeroDivisionError):
@@ -115,12 +113,11 @@ async def test_a_stop_of_another_task_is_confirmed_before_the_connections_close(
 
 
 async def test_a_start_on_its_way_while_leaving_is_waited_for(bench: Bench) -> None:
-    bench.motion_time = 30.0
     gate = bench.hold("movej2", bench._answers["movej2"])
     robot = aioduco.connect(bench.host, bench.port)
     await robot.open()
     async with anyio.create_task_group() as tg:
-        tg.start_soon(robot.motion.movej2(HOME, v=1.0, a=1.0).start)
+        tg.start_soon(under_way, bench, robot)
         await eventually_async(lambda: bench.received("movej2"))
         tg.start_soon(robot.aclose)
         await eventually_async(lambda: "closed" in repr(robot))
@@ -133,13 +130,12 @@ async def test_a_start_on_its_way_while_leaving_is_waited_for(bench: Bench) -> N
 
 @pytest.mark.slow
 async def test_a_controller_that_hangs_does_not_hold_the_way_out_for_ever(bench: Bench) -> None:
-    bench.motion_time = 30.0
     async with FaultProxy(bench.host, bench.port) as proxy:
         robot = aioduco.connect(
             proxy.host, proxy.port, call_timeout=1.0, stop_timeout=0.5, standstill_timeout=0.5
         )
         await robot.open()
-        await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        await under_way(bench, robot)
         proxy.freeze()
         with anyio.fail_after(20), pytest.raises(aioduco.StopUnconfirmed):
             await robot.aclose()
@@ -184,12 +180,11 @@ def test_steps_are_times_or_none() -> None:
 
 
 async def test_each_step_is_logged(bench: Bench, caplog: pytest.LogCaptureFixture) -> None:
-    bench.motion_time = 30.0
     caplog.set_level("DEBUG", "aioduco.supervision")
     steps = aioduco.ClosingSteps(modes=None)
     async with aioduco.connect(bench.host, bench.port, closing_steps=steps) as robot:
         robot._supervisor.stop_coordinator.modes.force_control = True
-        await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        await under_way(bench, robot)
     said = [record.getMessage().removeprefix("leaving the robot: ") for record in caplog.records]
     assert [line.split(" took ")[0] for line in said] == [
         "answers",
@@ -202,7 +197,6 @@ async def test_each_step_is_logged(bench: Bench, caplog: pytest.LogCaptureFixtur
 
 
 async def test_without_the_stop_a_motion_may_come_to_its_end(bench: Bench) -> None:
-    bench.motion_time = 30.0
     seen: list[bool] = []
 
     def arriving() -> bool:
@@ -212,7 +206,7 @@ async def test_without_the_stop_a_motion_may_come_to_its_end(bench: Bench) -> No
 
     steps = aioduco.ClosingSteps(stop=None)
     async with aioduco.connect(bench.host, bench.port, closing_steps=steps) as robot:
-        await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        await under_way(bench, robot)
         assert bench.moving()
         bench.answer("robotmoving", arriving)
     assert bench.commands == ["movej2"]
@@ -386,7 +380,6 @@ async def test_a_closing_that_was_cut_short_is_carried_out_by_the_next_one(
     bench: Bench, monkeypatch: pytest.MonkeyPatch, place: tuple[type, str]
 ) -> None:
     """There was no memory for a moment; or a signal's handler raised at that line."""
-    bench.motion_time = 30.0
     real = getattr(*place)
     failures = [MemoryError()]
 
@@ -399,7 +392,7 @@ async def test_a_closing_that_was_cut_short_is_carried_out_by_the_next_one(
 
     async def program() -> None:
         async with aioduco.connect(bench.host, bench.port) as robot:
-            await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+            await under_way(bench, robot)
             await robot.aclose()
 
     with pytest.raises(MemoryError):

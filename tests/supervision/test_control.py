@@ -10,7 +10,7 @@ from typing import Any
 
 import anyio
 import pytest
-from client.bench import HOME, Bench
+from client.bench import HOME, Bench, under_way
 
 import aioduco
 from aioduco import Outcome
@@ -32,7 +32,6 @@ async def occupied(robot: aioduco.Robot, bench: Bench, tg: anyio.abc.TaskGroup) 
 
 
 async def test_stop_waits_behind_nothing(bench: Bench) -> None:
-    bench.motion_time = 30.0
     arrivals: list[float] = []
     async with (
         aioduco.connect(bench.host, bench.port, call_timeout=20.0) as robot,
@@ -40,7 +39,7 @@ async def test_stop_waits_behind_nothing(bench: Bench) -> None:
     ):
         await occupied(robot, bench, tg)
         for _ in range(20):
-            task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+            task = await under_way(bench, robot)
             before = time.monotonic()
             await robot.stop()
             arrivals.append(bench.received("stop")[-1].at - before)
@@ -63,8 +62,7 @@ async def test_stop_comes_back_when_the_arm_stands(robot: aioduco.Robot, bench: 
 async def test_stop_now_from_another_thread_while_the_loop_hangs(
     robot: aioduco.Robot, bench: Bench
 ) -> None:
-    bench.motion_time = 30.0
-    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    task = await under_way(bench, robot)
     thread = threading.Thread(target=robot.stop_now)
     thread.start()
     thread.join()  # the event loop cannot run meanwhile
@@ -77,8 +75,7 @@ async def test_stop_now_from_another_thread_while_the_loop_hangs(
 async def test_stop_now_that_is_interrupted_is_sent_all_the_same(
     robot: aioduco.Robot, bench: Bench, monkeypatch: pytest.MonkeyPatch, interrupt: BaseException
 ) -> None:
-    bench.motion_time = 30.0
-    await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    await under_way(bench, robot)
 
     def interrupted(*_: Any) -> None:
         monkeypatch.undo()
@@ -92,12 +89,11 @@ async def test_stop_now_that_is_interrupted_is_sent_all_the_same(
 
 
 async def test_a_stop_is_repeated_over_fresh_connections(bench: Bench) -> None:
-    bench.motion_time = 30.0
     async with (
         FaultProxy(bench.host, bench.port) as proxy,
         aioduco.connect(proxy.host, proxy.port) as robot,
     ):
-        task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        task = await under_way(bench, robot)
         proxy.on("stop", DropReply())
         proxy.on("stop", Cut(Place.IN_REQUEST))
         await robot.stop()
@@ -110,10 +106,9 @@ async def test_a_stop_is_repeated_over_fresh_connections(bench: Bench) -> None:
 
 @pytest.mark.slow
 async def test_a_stop_that_cannot_be_confirmed_says_so(bench: Bench) -> None:
-    bench.motion_time = 30.0
     robot = aioduco.connect(bench.host, bench.port, stop_timeout=0.3)
     await robot.open()
-    await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    await under_way(bench, robot)
     bench.answer("stop", -1)
     with pytest.raises(aioduco.StopUnconfirmed, match="Press the emergency stop") as caught:
         await robot.stop()
@@ -133,9 +128,8 @@ async def test_an_arm_that_does_not_come_to_rest_is_said_to_move(
 ) -> None:
     # What is said last is heard, however late a busy machine says it.
     monkeypatch.setattr(stop_channel, "_LAST_LIMIT", 30.0)
-    bench.motion_time = 30.0
     async with aioduco.connect(bench.host, bench.port, standstill_timeout=0.2) as robot:
-        await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        await under_way(bench, robot)
         bench.answer("robotmoving", True)
         with pytest.raises(aioduco.StopUnconfirmed, match="the arm still moves"):
             await robot.stop()
@@ -146,13 +140,12 @@ async def test_a_stop_during_the_start_of_a_motion_holds_for_it(
     robot: aioduco.Robot, bench: Bench
 ) -> None:
     """The stop is served first, the motion afterwards: it must not go on."""
-    bench.motion_time = 30.0
     start = bench._answers["movej2"]
     gate = bench.hold("movej2", start)
     tasks: list[aioduco.Task] = []
 
     async def go() -> None:
-        tasks.append(await robot.motion.movej2(HOME, v=1.0, a=1.0).start())
+        tasks.append(await under_way(bench, robot))
 
     async with anyio.create_task_group() as tg:
         tg.start_soon(go)
@@ -170,10 +163,9 @@ async def test_a_stop_during_the_start_of_a_motion_holds_for_it(
 async def test_a_motion_that_is_served_after_a_pause_is_paused_when_that_returns(
     robot: aioduco.Robot, bench: Bench
 ) -> None:
-    bench.motion_time = 30.0
     let = bench.hold("movej2", bench._answers["movej2"])
     async with anyio.create_task_group() as tg:
-        tg.start_soon(robot.motion.movej2(HOME, v=1.0, a=1.0).start)
+        tg.start_soon(under_way, bench, robot)
         await eventually_async(lambda: bench.received("movej2"))
 
         async def let_late() -> None:
@@ -254,13 +246,12 @@ async def test_abort_ends_the_motion_and_never_passes_for_blending(
 
 @pytest.mark.parametrize("why", ["cancelled", "unanswered", "refused"])
 async def test_an_abort_that_does_not_come_to_its_end_stops_the_arm(bench: Bench, why: str) -> None:
-    bench.motion_time = 30.0
     if why == "refused":
         bench.answer("abort", -1)
     else:
         bench.hold("abort")
     async with aioduco.connect(bench.host, bench.port, call_timeout=0.3) as robot:
-        task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        task = await under_way(bench, robot)
         aborting = asyncio.ensure_future(robot.abort())
         if why == "cancelled":
             await eventually_async(lambda: "abort" in bench.commands)
@@ -288,12 +279,11 @@ async def test_nothing_is_sent_before_opening_and_after_closing(bench: Bench, na
 
 async def test_a_half_open_stop_connection_does_not_delay_the_stop_for_long(bench: Bench) -> None:
     """A cable pulled on one connection only: the next one carries the stop."""
-    bench.motion_time = 30.0
     async with (
         FaultProxy(bench.host, bench.port) as proxy,
         aioduco.connect(proxy.host, proxy.port) as robot,
     ):
-        await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        await under_way(bench, robot)
         proxy.on("stop", HalfOpen())
         await robot.stop()
         assert robot.statistics().stop_attempts == 2

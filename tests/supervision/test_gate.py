@@ -9,7 +9,7 @@ from typing import Any
 
 import anyio
 import pytest
-from client.bench import HOME, POSE, Bench
+from client.bench import HOME, POSE, Bench, under_way
 
 import aioduco
 import aioduco.sync
@@ -387,9 +387,8 @@ async def test_a_resume_asked_before_a_stop_is_not_sent_after_it(bench: Bench) -
 
 
 async def test_a_program_that_resumed_a_motion_stops_it_when_it_leaves(bench: Bench) -> None:
-    bench.motion_time = 30.0
     async with aioduco.connect(bench.host, bench.port) as first:
-        await first.motion.movej2(HOME, v=1.0, a=1.0).start(on_cancel="detach")
+        await under_way(bench, first, on_cancel="detach")
         await first.pause()
         async with aioduco.connect(bench.host, bench.port) as second:
             await second.resume()
@@ -414,10 +413,9 @@ async def test_nothing_of_a_block_is_sent_after_a_stop(bench: Bench) -> None:
 
 
 async def test_nothing_of_a_block_is_sent_after_another_programs_stop(bench: Bench) -> None:
-    bench.motion_time = 30.0
     async with aioduco.connect(bench.host, bench.port) as robot:
         with robot.permit("pick"):
-            task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+            task = await under_way(bench, robot)
             bench._stop(False)
             assert await task.wait() is Outcome.STOPPED
             with pytest.raises(TaskStopped, match="was not sent"):

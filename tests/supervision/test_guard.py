@@ -15,7 +15,7 @@ from typing import NoReturn
 
 import pytest
 from api.desk import Desk
-from client.bench import HOME, Bench
+from client.bench import HOME, Bench, under_way
 from for_each import for_each
 from hostile.programs import guard_of, running
 
@@ -158,9 +158,8 @@ async def test_the_guard_beats_no_more_for_a_robot_that_was_dropped(bench: Bench
 async def test_the_guards_death_stops_the_arm_and_another_takes_over(
     bench: Bench, robot: aioduco.Robot
 ) -> None:
-    bench.motion_time = 30.0
     guard, first = guard_of(robot)
-    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    task = await under_way(bench, robot)
     os.kill(first, signal.SIGKILL)
     with pytest.raises(aioduco.TaskStopped):
         await task

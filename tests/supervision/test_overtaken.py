@@ -9,7 +9,7 @@ from collections.abc import Awaitable, Callable
 import anyio
 import anyio.to_thread
 import pytest
-from client.bench import HOME, Bench
+from client.bench import HOME, Bench, under_way
 
 import aioduco
 from aioduco import RealtimeMode
@@ -133,10 +133,9 @@ async def test_a_stop_behind_a_pause_counts_for_a_motion_on_its_way(
     robot: aioduco.Robot, bench: Bench
 ) -> None:
     """Its permit had ended by the pause, and the stop after that was not noticed."""
-    bench.motion_time = 30.0
     let = bench.hold("movej2", bench._answers["movej2"])
     async with anyio.create_task_group() as tg:
-        tg.start_soon(robot.motion.movej2(HOME, v=1.0, a=1.0).start)
+        tg.start_soon(under_way, bench, robot)
         await eventually_async(lambda: bench.received("movej2"))
         tg.start_soon(robot.pause)
         await eventually_async(lambda: bench.received("pause"))

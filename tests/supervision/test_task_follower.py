@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import anyio
 import pytest
-from client.bench import HOME, POSE, Bench
+from client.bench import HOME, POSE, Bench, under_way
 from for_each import for_each
 
 import aioduco
@@ -95,8 +95,7 @@ async def test_many_tasks_are_asked_about_in_turn(robot: aioduco.Robot, bench: B
 async def test_a_stop_does_not_wait_for_the_next_poll(
     robot: aioduco.Robot, bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    bench.motion_time = 600.0
-    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    task = await under_way(bench, robot)
     monkeypatch.setattr(poller, "interval", lambda *_: 600.0)
     polls = robot.statistics().polls
     await eventually_async(lambda: robot.statistics().polls > polls)
@@ -157,12 +156,11 @@ async def test_a_task_that_is_lost_sight_of_ends_unknown_and_the_arm_is_stopped(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(poller, "LOST_AFTER", 0.2)
-    bench.motion_time = 30.0
     async with (
         FaultProxy(bench.host, bench.port) as proxy,
         aioduco.connect(proxy.host, proxy.port) as robot,
     ):
-        task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        task = await under_way(bench, robot)
         await eventually_async(bench.moving)
         proxy.on("get_noneblock_taskstate", Cut(Place.BEFORE_REQUEST), times=None)
         with pytest.raises(aioduco.TaskUnknown, match="lost sight of") as caught:
@@ -179,11 +177,10 @@ async def test_a_controller_that_fails_leaves_no_await_behind(
     bench: Bench, monkeypatch: pytest.MonkeyPatch, how: str
 ) -> None:
     monkeypatch.setattr(poller, "LOST_AFTER", 0.3)
-    bench.motion_time = 30.0
     with FaultProxy(bench.host, bench.port) as proxy:
         robot = aioduco.connect(proxy.host, proxy.port, stop_timeout=0.3, call_timeout=1.0)
         await robot.open()
-        task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        task = await under_way(bench, robot)
         if how == "is gone":
             proxy.refuse()
             proxy.cut()
@@ -210,11 +207,10 @@ def restart(bench: Bench) -> None:
 async def test_motions_that_a_restarted_controller_has_forgotten_end(
     robot: aioduco.Robot, bench: Bench, stopped: bool
 ) -> None:
-    bench.motion_time = 600.0
     for _ in range(10):  # the stops below get numbers, too
         await robot.pause()
         await robot.resume()
-    tasks = [await robot.motion.movej2(HOME, v=1.0, a=1.0).start() for _ in range(2)]
+    tasks = [await under_way(bench, robot) for _ in range(2)]
     await eventually_async(lambda: tasks[0].state is TaskState.RUNNING)
     restart(bench)
     if stopped:  # else the loss of the first one stops the arm
@@ -226,9 +222,8 @@ async def test_motions_that_a_restarted_controller_has_forgotten_end(
 async def test_a_number_that_is_given_again_is_not_that_of_the_motion_before(
     robot: aioduco.Robot, bench: Bench
 ) -> None:
-    bench.motion_time = 600.0
     bench.answer("get_noneblock_taskstate", lambda _: TaskState.IDLE)
-    forgotten = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    forgotten = await under_way(bench, robot)
     restart(bench)
     bench.answer("get_noneblock_taskstate", bench.task_state)
     task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
@@ -241,9 +236,8 @@ async def test_a_number_that_is_given_again_is_not_that_of_the_motion_before(
 async def test_a_motion_that_was_forgotten_before_a_stop_does_not_stop_the_next_one(
     robot: aioduco.Robot, bench: Bench
 ) -> None:
-    bench.motion_time = 600.0
     bench.answer("get_noneblock_taskstate", lambda _: TaskState.IDLE)
-    forgotten = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    forgotten = await under_way(bench, robot)
     await robot.stop()
     bench.answer("get_noneblock_taskstate", lambda n: TaskState.RUNNING if n > forgotten.id else 0)
     task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
@@ -253,14 +247,13 @@ async def test_a_motion_that_was_forgotten_before_a_stop_does_not_stop_the_next_
 
 
 async def test_closing_ends_every_task(bench: Bench) -> None:
-    bench.motion_time = 30.0
     outcomes: list[Outcome] = []
 
     async with anyio.create_task_group() as tg:
         robot = aioduco.connect(bench.host, bench.port)
         await robot.open()
         for _ in range(3):
-            task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+            task = await under_way(bench, robot)
 
             async def look_on(task: aioduco.Task = task) -> None:
                 outcomes.append(await task.wait())

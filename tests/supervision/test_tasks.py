@@ -9,7 +9,7 @@ import warnings
 import anyio
 import anyio.lowlevel
 import pytest
-from client.bench import HOME, POSE, Bench
+from client.bench import HOME, POSE, Bench, under_way
 from for_each import for_each
 from interpreter import python
 
@@ -57,9 +57,8 @@ async def test_each_bad_end_is_a_typed_error(
     robot: aioduco.Robot, bench: Bench, end: TaskState, error: type[aioduco.TaskError], words: str
 ) -> None:
     bench.ends = end
-    bench.motion_time = 30.0
     bench.errors = ["of an earlier motion"]
-    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    task = await under_way(bench, robot)
     await eventually_async(lambda: task.state is TaskState.RUNNING)
     bench.errors.append("Joint 4 检测到碰撞")
     bench.arrive()
@@ -164,8 +163,7 @@ async def test_a_motion_that_is_being_tied_to_a_block_is_not_tied_to_another(
 
 
 async def test_cancel_stops_and_tells_the_outcome(robot: aioduco.Robot, bench: Bench) -> None:
-    bench.motion_time = 30.0
-    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    task = await under_way(bench, robot)
     assert await task.cancel() is Outcome.STOPPED
     assert not bench.moving()
     with pytest.raises(aioduco.TaskStopped):
@@ -176,8 +174,7 @@ async def test_cancel_stops_and_tells_the_outcome(robot: aioduco.Robot, bench: B
 
 
 async def test_pause_and_resume(robot: aioduco.Robot, bench: Bench) -> None:
-    bench.motion_time = 30.0  # it is paused in time on a busy machine, too
-    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    task = await under_way(bench, robot)
     states = aiter(task)
     assert [await anext(states), await anext(states)] == [TaskState.IDLE, TaskState.RUNNING]
     await task.pause()
@@ -191,8 +188,7 @@ async def test_pause_and_resume(robot: aioduco.Robot, bench: Bench) -> None:
 
 
 async def test_a_deadline_stops_the_arm(robot: aioduco.Robot, bench: Bench) -> None:
-    bench.motion_time = 30.0
-    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start(deadline=0.05)
+    task = await under_way(bench, robot, deadline=0.05)
     with pytest.raises(aioduco.TaskOverdue, match="did not end by its deadline") as caught:
         await task
     assert isinstance(caught.value, TimeoutError)
