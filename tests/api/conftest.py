@@ -7,6 +7,7 @@ from collections.abc import AsyncIterator, Iterator
 import pytest
 
 import aioduco
+from aioduco.testing import FaultProxy
 from api.desk import Desk
 
 
@@ -14,6 +15,13 @@ from api.desk import Desk
 def desk() -> Iterator[Desk]:
     with Desk() as desk:
         yield desk
+
+
+@pytest.fixture
+def proxy(desk: Desk) -> Iterator[FaultProxy]:
+    """Between the program and the controller."""
+    with FaultProxy(desk.host, desk.port) as proxy:
+        yield proxy
 
 
 @pytest.fixture

@@ -41,35 +41,33 @@ async def test_the_version_decides(desk: Desk, way: str, version: str, numbers: 
 
 @pytest.mark.parametrize(("version", "refused"), [("V3.8.1", False), ("V4.3.0", True)])
 async def test_a_controller_that_gets_other_software_meanwhile(
-    desk: Desk, way: str, version: str, refused: bool
+    desk: Desk, proxy: FaultProxy, way: str, version: str, refused: bool
 ) -> None:
     """The robot stays open, and its jogs would go the wrong way."""
-    with FaultProxy(desk.host, desk.port) as proxy:
-        async with aioduco.connect(proxy.host, proxy.port) as robot:
+    async with aioduco.connect(proxy.host, proxy.port) as robot:
+        await WAYS[way](robot, UP)
+        desk.answer("get_robot_version", version)
+        proxy.cut()
+        if refused:
+            for _ in range(2):
+                with pytest.raises(aioduco.RobotStateError, match=r"V3\.8\.0 .* is V4\.3\.0 now"):
+                    await WAYS[way](robot, UP)
+        else:
             await WAYS[way](robot, UP)
-            desk.answer("get_robot_version", version)
-            proxy.cut()
-            if refused:
-                for _ in range(2):
-                    with pytest.raises(
-                        aioduco.RobotStateError, match=r"V3\.8\.0 .* is V4\.3\.0 now"
-                    ):
-                        await WAYS[way](robot, UP)
-            else:
-                await WAYS[way](robot, UP)
-                assert robot.version.controller.text == version
+            assert robot.version.controller.text == version
     assert len(desk.received("move_jog")) == 1 + (not refused)
 
 
-async def test_a_motion_says_if_the_version_cannot_be_read_again(desk: Desk) -> None:
-    with FaultProxy(desk.host, desk.port) as proxy:
-        async with aioduco.connect(proxy.host, proxy.port, call_timeout=0.2) as robot:
-            proxy.cut()
-            proxy.on("get_robot_version", DropReply(), times=None)
-            with pytest.raises(NotSent, match=r"^movej2 was not sent: get_robot_version"):
-                await robot.motion.movej2(HOME, v=1.0, a=1.0)
-            proxy.clear()
+async def test_a_motion_says_if_the_version_cannot_be_read_again(
+    desk: Desk, proxy: FaultProxy
+) -> None:
+    async with aioduco.connect(proxy.host, proxy.port, call_timeout=0.2) as robot:
+        proxy.cut()
+        proxy.on("get_robot_version", DropReply(), times=None)
+        with pytest.raises(NotSent, match=r"^movej2 was not sent: get_robot_version"):
             await robot.motion.movej2(HOME, v=1.0, a=1.0)
+        proxy.clear()
+        await robot.motion.movej2(HOME, v=1.0, a=1.0)
     assert len(desk.received("movej2")) == 1
 
 

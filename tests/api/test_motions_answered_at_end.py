@@ -130,12 +130,9 @@ async def test_leaving_the_robot_stops_it(desk: Desk, motion: AnsweredAtItsEnd) 
 
 @pytest.mark.slow
 async def test_if_its_answer_is_lost_the_arm_is_stopped(
-    desk: Desk, motion: AnsweredAtItsEnd
+    desk: Desk, proxy: FaultProxy, motion: AnsweredAtItsEnd
 ) -> None:
-    async with (
-        FaultProxy(desk.host, desk.port) as proxy,
-        aioduco.connect(proxy.host, proxy.port) as robot,
-    ):
+    async with aioduco.connect(proxy.host, proxy.port) as robot:
         proxy.on(motion.name, Cut(Place.AFTER_REQUEST))
         with pytest.raises(aioduco.OutcomeUnknown):
             await motion.call(robot)

@@ -127,11 +127,8 @@ async def test_points_that_were_not_taken_leave_no_trace(robot: aioduco.Robot, p
     await robot.track.trackEnqueue([Pose(*POSE)])
 
 
-async def test_points_whose_fate_is_unknown_count(pool: Desk) -> None:
-    async with (
-        FaultProxy(pool.host, pool.port) as proxy,
-        aioduco.connect(proxy.host, proxy.port) as robot,
-    ):
+async def test_points_whose_fate_is_unknown_count(pool: Desk, proxy: FaultProxy) -> None:
+    async with aioduco.connect(proxy.host, proxy.port) as robot:
         proxy.on("trackEnqueue", Cut(Place.AFTER_REQUEST))
         with pytest.raises(aioduco.OutcomeUnknown):
             await robot.track.trackEnqueue([Joints(*HOME)])
@@ -244,11 +241,8 @@ async def test_a_program_without_points_in_the_pool_does_not_empty_it(pool: Desk
     assert pool.commands == []
 
 
-async def test_a_pool_that_cannot_be_emptied_is_not_followed(pool: Desk) -> None:
-    async with (
-        FaultProxy(pool.host, pool.port) as proxy,
-        aioduco.connect(proxy.host, proxy.port) as robot,
-    ):
+async def test_a_pool_that_cannot_be_emptied_is_not_followed(pool: Desk, proxy: FaultProxy) -> None:
+    async with aioduco.connect(proxy.host, proxy.port) as robot:
         await robot.track.trackEnqueue([Joints(*HOME)])
         proxy.on("trackClearQueue", Cut(Place.BEFORE_REPLY), times=None)
         await robot.stop()

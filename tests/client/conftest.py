@@ -7,6 +7,7 @@ from collections.abc import AsyncIterator, Iterator
 import pytest
 
 import aioduco
+from aioduco.testing import FaultProxy
 from client.bench import Bench
 
 
@@ -14,6 +15,13 @@ from client.bench import Bench
 def bench() -> Iterator[Bench]:
     with Bench() as bench:
         yield bench
+
+
+@pytest.fixture
+def proxy(bench: Bench) -> Iterator[FaultProxy]:
+    """Between the program and the controller."""
+    with FaultProxy(bench.host, bench.port) as proxy:
+        yield proxy
 
 
 @pytest.fixture

@@ -24,40 +24,38 @@ def test_pauses_grow_and_are_scattered(seed: int, count: int) -> None:
         limit = min(2 * limit, LONGEST)
 
 
-async def test_a_read_waits_for_the_connection(bench: Bench) -> None:
-    with FaultProxy(bench.host, bench.port) as proxy:
-        async with aioduco.connect(proxy.host, proxy.port, call_timeout=5.0) as robot:
-            proxy.refuse()
-            proxy.cut()
-            async with anyio.create_task_group() as tasks:
-                answers: list[bool] = []
+async def test_a_read_waits_for_the_connection(proxy: FaultProxy) -> None:
+    async with aioduco.connect(proxy.host, proxy.port, call_timeout=5.0) as robot:
+        proxy.refuse()
+        proxy.cut()
+        async with anyio.create_task_group() as tasks:
+            answers: list[bool] = []
 
-                async def ask() -> None:
-                    answers.append(await robot.state.robotmoving())
+            async def ask() -> None:
+                answers.append(await robot.state.robotmoving())
 
-                tasks.start_soon(ask)
-                with anyio.fail_after(5.0):
-                    while robot._supervisor.calls.statistics().failed < 3:
-                        await anyio.lowlevel.checkpoint()
-                assert answers == []
-                proxy.accept()
-            assert answers == [False]
+            tasks.start_soon(ask)
+            with anyio.fail_after(5.0):
+                while robot._supervisor.calls.statistics().failed < 3:
+                    await anyio.lowlevel.checkpoint()
+            assert answers == []
+            proxy.accept()
+        assert answers == [False]
 
 
 @pytest.mark.slow
-async def test_but_not_beyond_its_deadline(bench: Bench) -> None:
-    with FaultProxy(bench.host, bench.port) as proxy:
-        async with aioduco.connect(proxy.host, proxy.port, call_timeout=1.0) as robot:
-            proxy.refuse()
-            proxy.cut()
-            # Without a deadline it would be tried for ever: nothing accepts it before the end.
-            with (
-                anyio.fail_after(20),
-                pytest.raises((aioduco.ConnectError, aioduco.ConnectionLost)),
-            ):
-                await robot.state.robotmoving()
-            assert robot._supervisor.calls.statistics().failed > 1
-            proxy.accept()
+async def test_but_not_beyond_its_deadline(proxy: FaultProxy) -> None:
+    async with aioduco.connect(proxy.host, proxy.port, call_timeout=1.0) as robot:
+        proxy.refuse()
+        proxy.cut()
+        # Without a deadline it would be tried for ever: nothing accepts it before the end.
+        with (
+            anyio.fail_after(20),
+            pytest.raises((aioduco.ConnectError, aioduco.ConnectionLost)),
+        ):
+            await robot.state.robotmoving()
+        assert robot._supervisor.calls.statistics().failed > 1
+        proxy.accept()
 
 
 async def test_of_a_robot_that_is_not_open_it_fails_at_once(bench: Bench) -> None:
@@ -72,11 +70,10 @@ async def test_of_a_robot_that_is_not_open_it_fails_at_once(bench: Bench) -> Non
 
 
 @pytest.mark.parametrize("place", [Place.AFTER_REQUEST, Place.BEFORE_REPLY, Place.IN_REPLY])
-async def test_a_command_is_sent_once(bench: Bench, place: Place) -> None:
+async def test_a_command_is_sent_once(bench: Bench, proxy: FaultProxy, place: Place) -> None:
     bench.answer("set_standard_digital_out", 4)
-    with FaultProxy(bench.host, bench.port) as proxy:
-        async with aioduco.connect(proxy.host, proxy.port) as robot:
-            proxy.on("set_standard_digital_out", Cut(place))
-            with pytest.raises(aioduco.OutcomeUnknown, match="was sent"):
-                await robot.io.set_standard_digital_out(3, True)
+    async with aioduco.connect(proxy.host, proxy.port) as robot:
+        proxy.on("set_standard_digital_out", Cut(place))
+        with pytest.raises(aioduco.OutcomeUnknown, match="was sent"):
+            await robot.io.set_standard_digital_out(3, True)
     assert len(bench.received("set_standard_digital_out")) <= 1

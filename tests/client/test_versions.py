@@ -32,8 +32,9 @@ def test_the_same_in_a_plain_script(bench: Bench) -> None:
         assert robot.version.controller.numbers == (2, 6, 1)
 
 
-async def test_a_controller_that_goes_silent_over_it_is_none(bench: Bench) -> None:
-    with FaultProxy(bench.host, bench.port) as proxy:
-        proxy.on("get_robot_version", Cut(Place.IN_REPLY))
-        with pytest.raises(aioduco.ConnectError):
-            await aioduco.connect(proxy.host, proxy.port).open()
+async def test_a_controller_that_goes_silent_over_it_is_none(
+    bench: Bench, proxy: FaultProxy
+) -> None:
+    proxy.on("get_robot_version", Cut(Place.IN_REPLY))
+    with pytest.raises(aioduco.ConnectError):
+        await aioduco.connect(proxy.host, proxy.port).open()

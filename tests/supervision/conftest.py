@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from client.conftest import bench, robot
+from client.conftest import bench, proxy, robot
 
-__all__ = ["bench", "robot"]
+__all__ = ["bench", "proxy", "robot"]

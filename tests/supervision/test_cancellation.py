@@ -182,12 +182,11 @@ async def test_on_cancel_detach_lets_the_arm_move_on(robot: aioduco.Robot, bench
     assert bench.commands == ["movej2"]
 
 
-async def test_an_answer_that_is_lost_stops_the_arm(bench: Bench) -> None:
+async def test_an_answer_that_is_lost_stops_the_arm(bench: Bench, proxy: FaultProxy) -> None:
     bench.motion_time = 30.0
-    async with (
-        FaultProxy(bench.host, bench.port) as proxy,
-        aioduco.connect(proxy.host, proxy.port, call_timeout=1.0, unanswered_timeout=0.1) as robot,
-    ):
+    async with aioduco.connect(
+        proxy.host, proxy.port, call_timeout=1.0, unanswered_timeout=0.1
+    ) as robot:
         proxy.on("movej2", DropReply())
         with pytest.raises(aioduco.OutcomeUnknown, match="movej2 was sent"):
             await robot.motion.movej2(HOME, v=1.0, a=1.0)

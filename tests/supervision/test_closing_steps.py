@@ -129,18 +129,19 @@ async def test_a_start_on_its_way_while_leaving_is_waited_for(bench: Bench) -> N
 
 
 @pytest.mark.slow
-async def test_a_controller_that_hangs_does_not_hold_the_way_out_for_ever(bench: Bench) -> None:
-    async with FaultProxy(bench.host, bench.port) as proxy:
-        robot = aioduco.connect(
-            proxy.host, proxy.port, call_timeout=1.0, stop_timeout=0.5, standstill_timeout=0.5
-        )
-        await robot.open()
-        await under_way(bench, robot)
-        proxy.freeze()
-        with anyio.fail_after(20), pytest.raises(aioduco.StopUnconfirmed):
-            await robot.aclose()
-        # All but that of the messages, which ends when it has nothing to do.
-        assert threads() <= {"aioduco-reports"}
+async def test_a_controller_that_hangs_does_not_hold_the_way_out_for_ever(
+    bench: Bench, proxy: FaultProxy
+) -> None:
+    robot = aioduco.connect(
+        proxy.host, proxy.port, call_timeout=1.0, stop_timeout=0.5, standstill_timeout=0.5
+    )
+    await robot.open()
+    await under_way(bench, robot)
+    proxy.freeze()
+    with anyio.fail_after(20), pytest.raises(aioduco.StopUnconfirmed):
+        await robot.aclose()
+    # All but that of the messages, which ends when it has nothing to do.
+    assert threads() <= {"aioduco-reports"}
 
 
 async def test_closing_twice_and_opening_twice(bench: Bench) -> None:

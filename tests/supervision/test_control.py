@@ -88,11 +88,8 @@ async def test_stop_now_that_is_interrupted_is_sent_all_the_same(
     assert bench.commands[-1] == "stop"
 
 
-async def test_a_stop_is_repeated_over_fresh_connections(bench: Bench) -> None:
-    async with (
-        FaultProxy(bench.host, bench.port) as proxy,
-        aioduco.connect(proxy.host, proxy.port) as robot,
-    ):
+async def test_a_stop_is_repeated_over_fresh_connections(bench: Bench, proxy: FaultProxy) -> None:
+    async with aioduco.connect(proxy.host, proxy.port) as robot:
         task = await under_way(bench, robot)
         proxy.on("stop", DropReply())
         proxy.on("stop", Cut(Place.IN_REQUEST))
@@ -277,12 +274,11 @@ async def test_nothing_is_sent_before_opening_and_after_closing(bench: Bench, na
     assert bench.commands == []
 
 
-async def test_a_half_open_stop_connection_does_not_delay_the_stop_for_long(bench: Bench) -> None:
+async def test_a_half_open_stop_connection_does_not_delay_the_stop_for_long(
+    bench: Bench, proxy: FaultProxy
+) -> None:
     """A cable pulled on one connection only: the next one carries the stop."""
-    async with (
-        FaultProxy(bench.host, bench.port) as proxy,
-        aioduco.connect(proxy.host, proxy.port) as robot,
-    ):
+    async with aioduco.connect(proxy.host, proxy.port) as robot:
         await under_way(bench, robot)
         proxy.on("stop", HalfOpen())
         await robot.stop()

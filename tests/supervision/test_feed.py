@@ -124,21 +124,18 @@ async def _until_stale(robot: aioduco.Robot, ages: list[float]) -> None:
         ages.append(asked - (await robot.feed.latest(max_age=0.1)).received_at)
 
 
-async def test_an_old_sample_is_never_returned(bench: Bench) -> None:
-    with FaultProxy(bench.host, bench.port) as proxy:
-        async with aioduco.connect(
-            proxy.host, proxy.port, call_timeout=1.0, heartbeat=None
-        ) as robot:
-            await robot.feed.latest()
-            for name in ("get_robot_state", "getRobotStatus", "getRobotIOStatus"):
-                proxy.on(name, DropReply(), times=None)
-            ages: list[float] = []
-            with pytest.raises(aioduco.StaleState, match="does not answer"):
-                await _until_stale(robot, ages)
-            assert max(ages, default=0.0) <= 0.1
-            for soon in (1e-6, 0.001):
-                with pytest.raises(aioduco.StaleState, match="the newest is"):
-                    await robot.feed.latest(max_age=soon)
+async def test_an_old_sample_is_never_returned(proxy: FaultProxy) -> None:
+    async with aioduco.connect(proxy.host, proxy.port, call_timeout=1.0, heartbeat=None) as robot:
+        await robot.feed.latest()
+        for name in ("get_robot_state", "getRobotStatus", "getRobotIOStatus"):
+            proxy.on(name, DropReply(), times=None)
+        ages: list[float] = []
+        with pytest.raises(aioduco.StaleState, match="does not answer"):
+            await _until_stale(robot, ages)
+        assert max(ages, default=0.0) <= 0.1
+        for soon in (1e-6, 0.001):
+            with pytest.raises(aioduco.StaleState, match="the newest is"):
+                await robot.feed.latest(max_age=soon)
 
 
 @pytest.mark.slow
@@ -299,24 +296,21 @@ async def test_events_of_the_state(bench: Bench, robot: aioduco.Robot) -> None:
 
 
 @pytest.mark.slow
-async def test_events_of_the_lines(bench: Bench) -> None:
-    with FaultProxy(bench.host, bench.port) as proxy:
-        async with aioduco.connect(
-            proxy.host, proxy.port, heartbeat=1.0, call_timeout=1.0
-        ) as robot:
-            with robot.events.subscribe() as events:
-                await robot.feed.latest()
-                proxy.refuse()
-                proxy.cut()
-                seen = await some(events, changes.ConnectionGone, changes.HeartbeatChanged)
-                beat = seen[changes.HeartbeatChanged]
-                assert beat.after is HeartbeatState.LOST
-                proxy.accept()
-                seen = await some(events, changes.ConnectionBack, changes.HeartbeatChanged)
-                back = seen[changes.ConnectionBack]
-                assert back.seconds > 0
-                beat = seen[changes.HeartbeatChanged]
-                assert beat.after is HeartbeatState.BEATING
+async def test_events_of_the_lines(proxy: FaultProxy) -> None:
+    async with aioduco.connect(proxy.host, proxy.port, heartbeat=1.0, call_timeout=1.0) as robot:
+        with robot.events.subscribe() as events:
+            await robot.feed.latest()
+            proxy.refuse()
+            proxy.cut()
+            seen = await some(events, changes.ConnectionGone, changes.HeartbeatChanged)
+            beat = seen[changes.HeartbeatChanged]
+            assert beat.after is HeartbeatState.LOST
+            proxy.accept()
+            seen = await some(events, changes.ConnectionBack, changes.HeartbeatChanged)
+            back = seen[changes.ConnectionBack]
+            assert back.seconds > 0
+            beat = seen[changes.HeartbeatChanged]
+            assert beat.after is HeartbeatState.BEATING
 
 
 def blocks_told(caplog: pytest.LogCaptureFixture) -> list[float]:

@@ -308,13 +308,12 @@ async def test_an_unknown_controller_is_told_as_without_a_guard() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("cut", [False, True])
-def test_a_killed_program_leaves_a_standing_arm(bench: Bench, cut: bool) -> None:
+def test_a_killed_program_leaves_a_standing_arm(bench: Bench, proxy: FaultProxy, cut: bool) -> None:
     """Also if the guard's connection breaks as it sends the stop."""
-    with FaultProxy(bench.host, bench.port) as proxy:
-        if cut:
-            proxy.on("stop", Cut(Place.BEFORE_REQUEST))
-        _kill_in_mid_motion(bench, proxy.host, proxy.port)
-        assert len(proxy.calls("stop")) > bench.stops or not cut
+    if cut:
+        proxy.on("stop", Cut(Place.BEFORE_REQUEST))
+    _kill_in_mid_motion(bench, proxy.host, proxy.port)
+    assert len(proxy.calls("stop")) > bench.stops or not cut
 
 
 @pytest.mark.slow

@@ -178,12 +178,9 @@ def test_a_hung_loop_is_reported_before_the_arm_is_stopped(monkeypatch: pytest.M
 
 @pytest.mark.slow
 async def test_a_lost_heartbeat_is_reported_and_comes_back(
-    bench: Bench, caplog: pytest.LogCaptureFixture
+    bench: Bench, proxy: FaultProxy, caplog: pytest.LogCaptureFixture
 ) -> None:
-    async with (
-        FaultProxy(bench.host, bench.port) as proxy,
-        aioduco.connect(proxy.host, proxy.port, heartbeat=2.0) as robot,
-    ):
+    async with aioduco.connect(proxy.host, proxy.port, heartbeat=2.0) as robot:
         await eventually_async(lambda: beats(bench) >= 2)
         proxy.on("rpc_heartbeat", Cut(Place.BEFORE_REQUEST), times=None)
         await eventually_async(lambda: state(robot) is HeartbeatState.LOST)
@@ -198,11 +195,10 @@ async def test_a_lost_heartbeat_is_reported_and_comes_back(
 
 
 @pytest.mark.slow
-async def test_one_beat_without_an_answer_is_repeated_in_time(bench: Bench) -> None:
-    async with (
-        FaultProxy(bench.host, bench.port) as proxy,
-        aioduco.connect(proxy.host, proxy.port, heartbeat=3.0) as robot,
-    ):
+async def test_one_beat_without_an_answer_is_repeated_in_time(
+    bench: Bench, proxy: FaultProxy
+) -> None:
+    async with aioduco.connect(proxy.host, proxy.port, heartbeat=3.0) as robot:
         await eventually_async(lambda: beats(bench) >= 2)
         proxy.on("rpc_heartbeat", DropReply())
         seen = beats(bench)

@@ -140,12 +140,9 @@ async def test_nothing_is_asked_when_no_task_lives(robot: aioduco.Robot, bench: 
     assert robot.statistics().polls == polls
 
 
-async def test_a_short_loss_of_the_connection_is_survived(bench: Bench) -> None:
+async def test_a_short_loss_of_the_connection_is_survived(bench: Bench, proxy: FaultProxy) -> None:
     bench.motion_time = 0.4
-    async with (
-        FaultProxy(bench.host, bench.port) as proxy,
-        aioduco.connect(proxy.host, proxy.port) as robot,
-    ):
+    async with aioduco.connect(proxy.host, proxy.port) as robot:
         task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
         proxy.on("get_noneblock_taskstate", Cut(Place.IN_REPLY), times=3)
         assert await task is Outcome.FINISHED
@@ -153,13 +150,10 @@ async def test_a_short_loss_of_the_connection_is_survived(bench: Bench) -> None:
 
 
 async def test_a_task_that_is_lost_sight_of_ends_unknown_and_the_arm_is_stopped(
-    bench: Bench, monkeypatch: pytest.MonkeyPatch
+    bench: Bench, proxy: FaultProxy, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(poller, "LOST_AFTER", 0.2)
-    async with (
-        FaultProxy(bench.host, bench.port) as proxy,
-        aioduco.connect(proxy.host, proxy.port) as robot,
-    ):
+    async with aioduco.connect(proxy.host, proxy.port) as robot:
         task = await under_way(bench, robot)
         await eventually_async(bench.moving)
         proxy.on("get_noneblock_taskstate", Cut(Place.BEFORE_REQUEST), times=None)
@@ -174,26 +168,25 @@ async def test_a_task_that_is_lost_sight_of_ends_unknown_and_the_arm_is_stopped(
 @pytest.mark.slow
 @pytest.mark.parametrize("how", ["is gone", "stops answering"])
 async def test_a_controller_that_fails_leaves_no_await_behind(
-    bench: Bench, monkeypatch: pytest.MonkeyPatch, how: str
+    bench: Bench, proxy: FaultProxy, monkeypatch: pytest.MonkeyPatch, how: str
 ) -> None:
     monkeypatch.setattr(poller, "LOST_AFTER", 0.3)
-    with FaultProxy(bench.host, bench.port) as proxy:
-        robot = aioduco.connect(proxy.host, proxy.port, stop_timeout=0.3, call_timeout=1.0)
-        await robot.open()
-        task = await under_way(bench, robot)
-        if how == "is gone":
-            proxy.refuse()
-            proxy.cut()
-        else:
-            proxy.freeze()
-        with anyio.fail_after(20), pytest.raises(aioduco.TaskUnknown):
-            await task
-        error = aioduco.ConnectError if how == "is gone" else aioduco.CallTimeout
-        with anyio.fail_after(20), pytest.raises(error):
-            await robot.state.robotmoving()
-        # On the way out it is said that nobody knows whether the arm stands.
-        with anyio.fail_after(20), pytest.raises(aioduco.StopUnconfirmed):
-            await robot.aclose()
+    robot = aioduco.connect(proxy.host, proxy.port, stop_timeout=0.3, call_timeout=1.0)
+    await robot.open()
+    task = await under_way(bench, robot)
+    if how == "is gone":
+        proxy.refuse()
+        proxy.cut()
+    else:
+        proxy.freeze()
+    with anyio.fail_after(20), pytest.raises(aioduco.TaskUnknown):
+        await task
+    error = aioduco.ConnectError if how == "is gone" else aioduco.CallTimeout
+    with anyio.fail_after(20), pytest.raises(error):
+        await robot.state.robotmoving()
+    # On the way out it is said that nobody knows whether the arm stands.
+    with anyio.fail_after(20), pytest.raises(aioduco.StopUnconfirmed):
+        await robot.aclose()
 
 
 def restart(bench: Bench) -> None:
