@@ -38,6 +38,9 @@ class Ports:
             port = self._range[self._next % len(self._range)]
             self._next += 1
             try:
+                # That of a proxy would share the port with the proxy of another run.
+                with socket.socket(sock.family) as alone:
+                    _bind(alone, (host, port, *more))
                 _bind(sock, (host, port, *more))
             except OSError as exc:
                 if exc.errno not in (errno.EADDRINUSE, errno.EACCES):
