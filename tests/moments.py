@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import threading
 from collections import Counter
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
@@ -38,6 +39,13 @@ async def cancelled_once(condition: Callable[[], object]) -> AsyncIterator[anyio
             tg.start_soon(cancel)
             yield scope
         tg.cancel_scope.cancel()
+
+
+def on_another_thread(work: Callable[[], object]) -> None:
+    """Do it on a thread that has ended when this returns."""
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
 
 
 def complaints(stderr: str) -> str:

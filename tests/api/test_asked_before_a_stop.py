@@ -18,6 +18,7 @@ from typing import Any
 import anyio
 import pytest
 from client.bench import FLANGE, HOME, POSE
+from moments import on_another_thread
 from wire.lanes import noted
 
 import aioduco
@@ -269,9 +270,7 @@ async def test_a_stop_ends_what_another_thread_has_handed_over(
         handed_over.append(asyncio.run_coroutine_threadsafe(CALLED["start"](robot), loop))
         robot.stop_now()
 
-    thread = threading.Thread(target=hand_over)
-    thread.start()
-    thread.join()  # the event loop cannot run meanwhile
+    on_another_thread(hand_over)  # the event loop cannot run meanwhile
     with pytest.raises(aioduco.TaskStopped, match="was not sent"):
         await asyncio.wrap_future(handed_over[0])
     assert not desk.received("movej2")

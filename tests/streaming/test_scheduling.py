@@ -5,12 +5,12 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import threading
 
 import pytest
 from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
+from moments import on_another_thread
 
 from aioduco import WorkerOptions
 from aioduco._process.platform import set_realtime_priority
@@ -40,9 +40,7 @@ def test_a_short_slice_leaves_another_policy_as_it_is(
         found.append(shorten_slice(1_000_000))
         found.append(os.sched_getscheduler(0) == getattr(os, policy))
 
-    thread = threading.Thread(target=run)
-    thread.start()
-    thread.join()
+    on_another_thread(run)
     if not found:
         pytest.skip("no permission for a policy of real time")
     assert found == [taken, True]
@@ -51,9 +49,7 @@ def test_a_short_slice_leaves_another_policy_as_it_is(
 def allowed() -> bool:
     """Whether a thread of this program may go before all others."""
     found: list[bool] = []
-    thread = threading.Thread(target=lambda: found.append(set_realtime_priority(1)))
-    thread.start()
-    thread.join()
+    on_another_thread(lambda: found.append(set_realtime_priority(1)))
     return found[0]
 
 

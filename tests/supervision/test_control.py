@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import sys
-import threading
 import time
 from typing import Any
 
 import anyio
 import pytest
 from client.bench import HOME, Bench, under_way
+from moments import on_another_thread
 
 import aioduco
 from aioduco import Outcome
@@ -63,9 +63,7 @@ async def test_stop_now_from_another_thread_while_the_loop_hangs(
     robot: aioduco.Robot, bench: Bench
 ) -> None:
     task = await under_way(bench, robot)
-    thread = threading.Thread(target=robot.stop_now)
-    thread.start()
-    thread.join()  # the event loop cannot run meanwhile
+    on_another_thread(robot.stop_now)  # the event loop cannot run meanwhile
     assert bench.commands[-1] == "stop"
     with pytest.raises(aioduco.TaskStopped):
         await task

@@ -10,6 +10,7 @@ from typing import Any
 import anyio
 import pytest
 from client.bench import HOME, POSE, Bench, under_way
+from moments import on_another_thread
 
 import aioduco
 import aioduco.sync
@@ -427,9 +428,7 @@ async def test_nothing_of_a_block_is_sent_after_another_programs_stop(bench: Ben
 def test_a_block_of_the_blocking_face_ends_with_a_stop_of_another_thread(bench: Bench) -> None:
     with aioduco.sync.connect(bench.host, bench.port) as robot, robot.permit("pick"):
         robot.motion.movej2(HOME, v=1.0, a=1.0)
-        thread = threading.Thread(target=robot.stop)
-        thread.start()
-        thread.join()
+        on_another_thread(robot.stop)
         with pytest.raises(TaskStopped):
             robot.motion.movej2(HOME, v=1.0, a=1.0)
 

@@ -8,6 +8,7 @@ from collections.abc import Awaitable, Callable, Iterator
 
 import anyio
 import pytest
+from moments import on_another_thread
 
 import aioduco
 from aioduco import Outcome
@@ -126,8 +127,6 @@ async def test_a_mode_may_be_left_while_another_thread_ends_the_permits(
         modes = robot._supervisor.stop_coordinator.modes
         modes._on = _Watched(lambda: modes.over("end_teach_mode"))  # type: ignore[assignment]
         modes.enter("end_teach_mode")
-        thread = threading.Thread(target=robot._supervisor.gate.end, args=[PermitEnding.LAPSED])
-        thread.start()
-        thread.join()
+        on_another_thread(lambda: robot._supervisor.gate.end(PermitEnding.LAPSED))
         await robot.bring_up()
         await robot.motion.movej2(TARGET, v=1.0, a=4.0)

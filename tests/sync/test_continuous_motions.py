@@ -5,14 +5,14 @@ from __future__ import annotations
 import itertools
 import threading
 import time
-from collections.abc import Callable
 from typing import Any, cast
 
 import pytest
 from api.desk import Desk
+from moments import on_another_thread
 
 import aioduco.sync
-from aioduco import Jog, Joints, Outcome, ParameterError, TaskFailed, TaskState, TaskStopped
+from aioduco import Jog, Joints, Outcome, TaskFailed, TaskState, TaskStopped
 from aioduco.sync import Robot, Task
 from aioduco.sync._presence import CallRecord, CallTimes
 from aioduco.testing import eventually
@@ -37,9 +37,7 @@ def test_presence() -> None:
 def test_each_thread_has_its_own_calls() -> None:
     times, seen = CallTimes(), []
     for _ in range(2):  # one after the other: the second may get the number of the first
-        thread = threading.Thread(target=lambda: seen.append(times.here))
-        thread.start()
-        thread.join()
+        on_another_thread(lambda: seen.append(times.here))
     assert len({id(calls) for calls in (times.here, *seen)}) == 3
     assert times.here is times.here
 
@@ -120,16 +118,11 @@ def test_calls_of_later_threads_do_not_hold_the_motion_of_one_that_has_ended(
 ) -> None:
     """A later thread often gets the number of the thread before it."""
 
-    def on_a_thread(work: Callable[[], object]) -> None:
-        thread = threading.Thread(target=work)
-        thread.start()
-        thread.join()
-
     def stopped() -> bool:
-        on_a_thread(robot.state.get_tcp_pose)
+        on_another_thread(robot.state.get_tcp_pose)
         return "stop" in desk.commands
 
-    on_a_thread(lambda: robot.motion.speedl.start(DOWN, a=1.0, time=None))
+    on_another_thread(lambda: robot.motion.speedl.start(DOWN, a=1.0, time=None))
     eventually(stopped)
 
 
@@ -182,11 +175,3 @@ def test_no_limit(desk: Desk) -> None:
         beats = len(desk.received("rpc_heartbeat"))
         eventually(lambda: len(desk.received("rpc_heartbeat")) > beats + 4, timeout=20.0)
         assert desk.going_on
-
-
-def test_the_limits_are_checked(desk: Desk) -> None:
-    for wrong in (0.0, -1.0, float("nan")):
-        with pytest.raises(ParameterError):
-            aioduco.sync.connect(desk.host, desk.port, hold_limit=wrong)
-        with pytest.raises(ParameterError):
-            aioduco.sync.connect(desk.host, desk.port, program_limit=wrong)

@@ -13,6 +13,7 @@ import anyio
 import anyio.lowlevel
 import pytest
 import uvloop
+from moments import on_another_thread
 
 from aioduco._wire.lane import WireLane
 from aioduco._wire.owner_loop import OwnerLoop
@@ -216,16 +217,11 @@ def test_a_lane_that_is_forgotten_on_another_thread_closes_its_connection() -> N
         lanes.clear()
         gc.collect()
 
-    def forget_elsewhere(lanes: list[WireLane]) -> None:
-        thread = threading.Thread(target=forget, args=(lanes,))
-        thread.start()
-        thread.join()
-
     async def main(server: ScriptedServer) -> None:
         lanes = [WireLane("test", server.host, server.port, spare=True)]
         await lanes[0].open()
         with pytest.warns(ResourceWarning, match="unclosed <Lane test"):
-            forget_elsewhere(lanes)
+            on_another_thread(lambda: forget(lanes))
         await eventually_async(lambda: server.finished == 2)
 
     with no_leaks(), ScriptedServer() as server:
@@ -245,11 +241,7 @@ def test_an_owner_loop_runs_what_other_threads_have_for_it() -> None:
         owner.run(lambda: ran.append("on it"))
         assert ran[-1] == "on it"
         here = threading.get_ident()
-        thread = threading.Thread(
-            target=owner.run, args=(lambda: ran.append(threading.get_ident() == here),)
-        )
-        thread.start()
-        thread.join()
+        on_another_thread(lambda: owner.run(lambda: ran.append(threading.get_ident() == here)))
         await eventually_async(lambda: ran[-1] is True)
 
     asyncio.run(main())
