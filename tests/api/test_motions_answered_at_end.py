@@ -38,21 +38,13 @@ def motion(request: pytest.FixtureRequest, desk: Desk) -> AnsweredAtItsEnd:
     return made
 
 
-async def test_it_returns_at_its_end(
-    robot: aioduco.Robot, desk: Desk, motion: AnsweredAtItsEnd
-) -> None:
-    desk.motion_time = 0.1
-    await motion.call(robot)
-    assert not desk.moving()
-    assert "stop" not in desk.commands
-
-
 @pytest.mark.slow
 async def test_it_lasts_longer_than_a_call_may_take(desk: Desk, motion: AnsweredAtItsEnd) -> None:
     desk.motion_time = 1.5
     async with aioduco.connect(desk.host, desk.port, call_timeout=1.0, pool_size=1) as robot:
         await motion.call(robot)
         assert not desk.moving()
+        assert "stop" not in desk.commands
 
 
 @pytest.mark.cases(4)
