@@ -43,11 +43,12 @@ def answer_all(server: RecordingServer, answers: Mapping[str, Any]) -> None:
         server.answer(name, answer)
 
 
-def came_to_rest(places: Any, rate: float, acceleration: float, missed: int = 0) -> bool:
-    """Whether a joint's places end at rest, and never change their speed faster than allowed.
+def came_to_rest(controller: Controller, rate: float, acceleration: float, missed: int = 0) -> bool:
+    """Whether the first joint's set-points end at rest, and never change their speed too fast.
 
     Where ticks were missed, as on a busy machine, a place is not that of the next tick.
     """
+    places = np.array(controller.points())[:, 0]
     assert missed or np.abs(np.diff(places, n=2)).max() * rate**2 <= acceleration * (1 + 1e-6)
     return bool(places[-1] == places[-2])
 

@@ -43,8 +43,7 @@ async def test_starving_brings_the_arm_to_rest_and_stops_it(
     stream = controller.servo.joints(v=1.0, a=5.0, rate=500, hold=0.05, options=options)
     with pytest.raises(StreamStarved, match="longer than the hold time"):
         await fed(stream, (near(5e-6 * n * n) for n in range(100)), stream.ended)
-    places, missed = np.array(controller.points())[:, 0], stream.statistics().missed
-    assert came_to_rest(places, 500, 5.0, missed)
+    assert came_to_rest(controller, 500, 5.0, stream.statistics().missed)
     assert controller.names()[-1] == "stop"
     assert stream.statistics().starved > 0
 
@@ -105,8 +104,7 @@ async def test_an_error_in_the_program_decelerates_the_arm(
     stream = controller.servo.joints(v=1.0, a=5.0, rate=500, options=options)
     with pytest.raises(ZeroDivisionError):
         await fed(stream, (near(5e-6 * n * n) for n in range(100)), lambda: 1 / 0)
-    places, missed = np.array(controller.points())[:, 0], stream.statistics().missed
-    assert came_to_rest(places, 500, 5.0, missed)
+    assert came_to_rest(controller, 500, 5.0, stream.statistics().missed)
     assert stream.statistics().reason is Reason.ABORTED
 
 
@@ -123,8 +121,7 @@ async def test_cancellation_decelerates_the_arm_before_it_goes_on(
                         scope.cancel()
                     await stream.send(near(5e-6 * n * n))
         assert stream.statistics().reason is Reason.ABORTED
-    places, missed = np.array(controller.points())[:, 0], stream.statistics().missed
-    assert came_to_rest(places, 500, 5.0, missed)
+    assert came_to_rest(controller, 500, 5.0, stream.statistics().missed)
 
 
 @workers

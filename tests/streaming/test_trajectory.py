@@ -229,9 +229,8 @@ async def test_an_arm_that_is_stuck_violates_the_path(
     with pytest.raises(PathToleranceViolated, match="joint 1"):
         await run(controller, arm, tolerances=Tolerances(path=0.02))
     assert controller.stops == ["stop"]
-    places = np.array(controller.points())[:, 0]
     # It was brought to rest: not at the end, and not in one tick.
-    assert came_to_rest(places, 500, 20.0, sum(missed))
+    assert came_to_rest(controller, 500, 20.0, sum(missed))
 
 
 async def test_a_joint_whose_tolerance_is_0_is_not_looked_at_on_the_way(
@@ -272,8 +271,7 @@ async def test_an_arm_whose_place_is_not_answered_comes_to_rest(
             controller.endpoint, joints, there_and_back(), realtime=False, v=1.0, a=20.0,
             options=THREAD,
         )  # fmt: skip
-    places = np.array(controller.points())[:, 0]
-    assert came_to_rest(places, 500, 20.0, sum(missed))
+    assert came_to_rest(controller, 500, 20.0, sum(missed))
 
 
 async def test_cancelling_brings_the_arm_to_rest(controller: Controller, missed: list[int]) -> None:
@@ -286,9 +284,8 @@ async def test_cancelling_brings_the_arm_to_rest(controller: Controller, missed:
 
         await run(controller, arm, feedback=after_a_while)
     assert scope.cancelled_caught
-    places = np.array(controller.points())[:, 0]
-    assert came_to_rest(places, 500, 20.0, sum(missed))
-    assert places[-1] > HERE[0] + 1e-3
+    assert came_to_rest(controller, 500, 20.0, sum(missed))
+    assert controller.points()[-1][0] > HERE[0] + 1e-3
 
 
 async def test_a_trajectory_that_begins_elsewhere_is_refused(controller: Controller) -> None:
