@@ -24,12 +24,11 @@ from aioduco.supervision.gate import Gate
 from aioduco.testing import RecordingServer, eventually
 
 HERE = [0.0, -0.1, 0.2, 0.3, 0.4, 0.5]
-WORKERS = [WorkerOptions(run_in="thread"), WorkerOptions(run_in="process")]
-THREAD = WorkerOptions(run_in="thread")
+PROCESS, THREAD = WorkerOptions(run_in="process"), WorkerOptions(run_in="thread")
 #: the state of the arm is not asked for meanwhile
 UNWATCHED = WorkerOptions(run_in="thread", watch=0.0)
 
-workers = pytest.mark.parametrize("options", WORKERS, ids=["thread", "process"])
+workers = pytest.mark.parametrize("options", [THREAD, PROCESS], ids=["thread", "process"])
 
 
 def near(offset: float) -> list[float]:

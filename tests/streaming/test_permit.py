@@ -30,10 +30,7 @@ from aioduco.streaming.worker.permit import StreamPermit
 from aioduco.supervision.gate import Gate, Permit, PermitEnding
 from aioduco.testing import eventually, eventually_async, no_leaks
 
-from .conftest import HERE, Controller, Cycles, answer_all
-
-PROCESS, THREAD = WorkerOptions(), WorkerOptions(run_in="thread")
-workers = pytest.mark.parametrize("options", [THREAD, PROCESS], ids=["thread", "process"])
+from .conftest import HERE, PROCESS, THREAD, Controller, Cycles, answer_all, workers
 
 # -- the rules ---------------------------------------------------------------------------------
 

@@ -34,9 +34,9 @@ from aioduco.streaming.shared.words import StreamState
 from aioduco.streaming.stream import Stream
 from aioduco.testing import ApplicationError, FaultProxy, eventually, eventually_async, no_leaks
 
+from .conftest import PROCESS, THREAD
 from .robot_motions import KINDS, START, WAY
 
-PROCESS, THREAD = WorkerOptions(), WorkerOptions(run_in="thread")
 #: one of each way to bring set-points to the controller
 FOLLOWED = ["servoj", "speedj", "joint_position", "track joints"]
 

@@ -13,7 +13,10 @@ import pytest
 from api.desk import Desk
 
 import aioduco.sync
+from aioduco import Joints
 from aioduco.testing import eventually
+
+HOME = Joints(0, 0, 1.5, 0, -1.5, 0)
 
 
 class Interrupts(Protocol):

@@ -12,13 +12,13 @@ from api.desk import Desk
 from moments import on_another_thread
 
 import aioduco.sync
-from aioduco import Jog, Joints, Outcome, TaskFailed, TaskState, TaskStopped
+from aioduco import Jog, Outcome, TaskFailed, TaskState, TaskStopped
 from aioduco.sync import Robot, Task
 from aioduco.sync._presence import CallRecord, CallTimes
 from aioduco.testing import eventually
+from sync.conftest import HOME
 
 DOWN = [0.0, 0.0, -0.02, 0.0, 0.0, 0.0]
-HOME = Joints(0, 0, 1.5, 0, -1.5, 0)
 
 
 def test_presence() -> None:

@@ -12,13 +12,11 @@ import pytest
 from api.desk import Desk
 
 import aioduco.sync
-from aioduco import Joints, Outcome, StopUnconfirmed
+from aioduco import Outcome, StopUnconfirmed
 from aioduco.sync import Robot
 from aioduco.sync._runner import uninterrupted
 from aioduco.testing import eventually
-from sync.conftest import Interrupts, meanwhile, raised_by_ctrl_c
-
-HOME = Joints(0, 0, 1.5, 0, -1.5, 0)
+from sync.conftest import HOME, Interrupts, meanwhile, raised_by_ctrl_c
 
 WAYS: dict[str, Callable[[Robot], object]] = {
     "call": lambda robot: robot.motion.movej2(HOME, v=1.0, a=1.0),

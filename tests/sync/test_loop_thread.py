@@ -13,13 +13,11 @@ from api.desk import Desk
 from interpreter import python
 
 import aioduco.sync
-from aioduco import ConnectError, Joints, Outcome, RobotStateError, TaskState, TaskStopped
+from aioduco import ConnectError, Outcome, RobotStateError, TaskState, TaskStopped
 from aioduco.supervision.gate import PermitEnding
 from aioduco.sync import Robot
 from aioduco.testing import eventually, no_leaks
-from sync.conftest import meanwhile
-
-HOME = Joints(0, 0, 1.5, 0, -1.5, 0)
+from sync.conftest import HOME, meanwhile
 
 
 def threads() -> list[str]:

@@ -12,15 +12,13 @@ from api.desk import Desk
 import aioduco
 import aioduco.sync
 from aioduco import (
-    Joints,
     MotionCarriedOut,
     Outcome,
     ParameterError,
     TaskState,
     TaskStopped,
 )
-
-HOME = Joints(0, 0, 1.5, 0, -1.5, 0)
+from sync.conftest import HOME
 
 
 def test_a_motion_returns_when_it_has_ended(robot: aioduco.sync.Robot, desk: Desk) -> None:

@@ -10,11 +10,9 @@ import pytest
 from api.desk import Desk
 
 import aioduco.sync
-from aioduco import Joints, Outcome
+from aioduco import Outcome
 from aioduco.sync import Robot, stop_all
-from sync.conftest import Interrupts, raised_by_ctrl_c
-
-HOME = Joints(0, 0, 1.5, 0, -1.5, 0)
+from sync.conftest import HOME, Interrupts, raised_by_ctrl_c
 
 
 @pytest.fixture

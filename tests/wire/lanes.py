@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable
 from contextlib import asynccontextmanager
 from typing import Any
 
@@ -11,9 +11,7 @@ from aioduco._wire.channel import Channel
 from aioduco._wire.lane import WireLane
 from aioduco.testing import no_leaks
 
-from .servers import PATIENCE, Peer, ScriptedServer
-
-Script = Callable[[Peer], None]
+from .servers import PATIENCE, Peer, Script, ScriptedServer
 
 #: seconds after which a server that says nothing is given up
 SHORT = 0.1

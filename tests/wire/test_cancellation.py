@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import threading
-from collections.abc import Callable, Coroutine
+from collections.abc import Coroutine
 from functools import partial
 from typing import Any
 
@@ -21,9 +21,7 @@ from aioduco.errors import CallTimeout, ConnectError, NotSent, OutcomeUnknown
 from aioduco.testing import eventually_async, no_leaks
 
 from .lanes import SHORT, channel, opened, own_threads
-from .servers import PATIENCE, Peer, ScriptedServer, black_hole, honest, silent
-
-Script = Callable[[Peer], None]
+from .servers import PATIENCE, Peer, Script, ScriptedServer, black_hole, honest, silent
 
 
 def doubling(peer: Peer) -> None:

@@ -26,10 +26,7 @@ from aioduco.errors import (
 from aioduco.testing import eventually_async, no_leaks
 
 from .lanes import SHORT, Gate, channel, noted, opened
-from .servers import PATIENCE, Peer, ScriptedServer, reply, silent
-
-Script = Callable[[Peer], None]
-
+from .servers import PATIENCE, Peer, Script, ScriptedServer, reply, silent
 
 #: one function of each kind, with arguments
 READ = ("get_noneblock_taskstate", (7,))
