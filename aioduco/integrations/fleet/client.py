@@ -189,7 +189,10 @@ class FleetClient(Uncopied):
         """
         TIMEOUT("timeout", timeout)
         named = (arms,) if isinstance(arms, str) else arms  # its letters are no arms
-        names = None if named is None else frozenset(named)
+        try:
+            names = None if named is None else frozenset(named)
+        except TypeError:
+            names = frozenset()
         if names is not None and not names:  # it would be confirmed that none of them moves
             raise ParameterError("arms", named, "names of arms, or None for all of the fleet")
         request = StopRequest(names).encode()

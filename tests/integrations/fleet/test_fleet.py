@@ -321,10 +321,11 @@ async def test_a_gateway_that_cannot_be_declared_leaves_nothing_open(
     assert asyncio.all_tasks() == before
 
 
-async def test_a_stop_of_no_arm_is_refused_and_not_confirmed() -> None:
+@pytest.mark.parametrize("arms", [[], 5, [["left"]]])
+async def test_a_stop_of_no_arm_is_refused_and_not_confirmed(arms: Any) -> None:
     client = FleetClient(FleetSettings("plant", listen=(free_endpoint(),)))
     with pytest.raises(aioduco.ParameterError, match=r"arms is .*None for all of the fleet"):
-        await client.stop([])
+        await client.stop(arms)
 
 
 @pytest.mark.slow
