@@ -5,13 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from aioduco._wire.rpc import calls
-from aioduco.api.section import LOOKS, Section, new_errors
+from aioduco.api.section import LOOKS, Section
 from aioduco.errors import ParameterError, Refused
 from aioduco.models import ranges
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from aioduco.models.rules import Whole, WholesLike
 
 
@@ -79,15 +77,12 @@ class Modbus(Section):
         """
         name_ = ranges.LONG_NAME("signal_name", signal_name)
         frequency_ = ranges.MODBUS_FREQUENCY("frequency", frequency)
-        why: Sequence[str] = ()
+        call, why = calls.modbus_set_frequency(name_, frequency_), ""
         for _ in range(LOOKS):
-            before = await self._rpc.get_last_error()
-            await self._rpc.modbus_set_frequency(name_, frequency_)
-            after = await self._rpc.get_last_error()
-            why = new_errors(before, after, "modbus_set_frequency", name_)
+            _, why = await self._send_listed(call, name_)
             if not why:
                 return
-        raise Refused("modbus_set_frequency", None, "; ".join(why))
+        raise Refused(call.name, None, why)
 
     async def modbus_write_multiple_regs(
         self, slave_num: Whole, name: str, word_list: WholesLike

@@ -326,16 +326,22 @@ class Section(Uncopied, ManualNames):
         for _ in range(LOOKS):
             if not nothing(answer):
                 return answer
-            before = await self._rpc.get_last_error()
-            answer = await self._rpc.send(call)
-            after = await self._rpc.get_last_error()
-            why = "; ".join(new_errors(before, after, call.name, name))
+            answer, why = await self._send_listed(call, name)
             if not why:
                 return answer
-            self._follower.have_told(after)
         if nothing(answer):
             raise Refused(call.name, answer, why)
         return answer
+
+    async def _send_listed(self, call: WireCall[T], name: str) -> tuple[T, str]:
+        """Make a call; return its answer, and what it has added to the controller's error list."""
+        before = await self._rpc.get_last_error()
+        answer = await self._rpc.send(call)
+        after = await self._rpc.get_last_error()
+        why = "; ".join(new_errors(before, after, call.name, name))
+        if why:
+            self._follower.have_told(after)
+        return answer, why
 
     async def _carry_out_standing(self, call: WireCall[int]) -> None:
         """As `_carry_out`, of a function that would make a moving arm jump.

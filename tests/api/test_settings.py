@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from typing import Any
 
 import anyio
 import pytest
@@ -163,17 +164,23 @@ async def test_a_setting_that_fails_says_why(robot: aioduco.Robot, desk: Desk) -
         await robot.registers.set_system_value_bool("busy", True)
 
 
-async def test_what_a_read_was_refused_for_is_no_error_of_the_next_command(
-    robot: aioduco.Robot, desk: Desk
+@pytest.mark.parametrize(
+    ("section", "name", "args", "answer"),
+    [
+        ("registers", "get_system_value_double", ("count",), 0.0),
+        ("modbus", "modbus_set_frequency", ("count", 20), None),
+    ],
+)
+async def test_what_a_call_was_refused_for_is_no_error_of_the_next_command(
+    robot: aioduco.Robot, desk: Desk, section: str, name: str, args: tuple[Any, ...], answer: Any
 ) -> None:
     desk.begins("fc_start", end=aioduco.TaskState.ERROR, error="no force sensor")
     with pytest.raises(aioduco.TaskFailed):
         await robot.force.fc_start()
 
-    reason = "get_system_value_double: there is no 'count'"
-    desk.fails("get_system_value_double", 0.0, reason)
+    desk.fails(name, answer, f"{name}: there is no 'count'")
     with pytest.raises(aioduco.Refused, match="there is no 'count'"):
-        await robot.registers.get_system_value_double("count")
+        await getattr(getattr(robot, section), name)(*args)
     desk.begins("fc_start", end=aioduco.TaskState.ERROR, error="it is not calibrated")
     with pytest.raises(aioduco.TaskFailed) as failed:
         await robot.force.fc_start()
