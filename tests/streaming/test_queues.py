@@ -223,7 +223,7 @@ async def test_a_cancellation_does_not_wait_for_the_controllers_filter(
     with pytest.raises(asyncio.CancelledError):
         await leaving
     assert queue.taken < 30_000  # 10 time constants are 32,000 points
-    assert controller.names()[-1] == "end_realtime_mode"
+    assert controller.names()[-2:] == ["end_realtime_mode", "get_robot_state"]
 
 
 async def test_starving_ends_in_rest_then_the_mode_then_a_stop(
@@ -278,6 +278,22 @@ async def test_a_queue_from_which_nothing_is_taken_any_more_ends_the_stream(
     with pytest.raises(StreamRefused, match=r"takes no points.*error list: no data for 0\.02 s"):
         await fed(opened, full)
     assert controller.names()[-2:] == ["end_realtime_mode", "stop"]
+
+
+async def test_an_arm_that_is_disabled_while_it_comes_to_rest_is_told(
+    controller: Controller, queue: Cycles
+) -> None:
+    """Also after the last point was taken: the arm lags behind it."""
+
+    def stands() -> bool:
+        controller.server.answer("get_robot_state", [4, 2, 5, 1])
+        return False
+
+    controller.server.answer("robotmoving", stands)
+    opened = of_positions(controller, options=THREAD)
+    with pytest.raises(StreamRefused, match="not ENABLE"):
+        await fed(opened, [HERE] * 3)
+    assert controller.names()[-1] == "stop"
 
 
 @pytest.mark.parametrize(

@@ -207,15 +207,19 @@ class StreamWorker:
 
     def _ended_early(self, own: OwnConnection) -> tuple[Reason, str]:
         """Why the arm that stands is not at the last set-point; NONE if nothing says so."""
-        task = 0 if self._driver is None else self._driver.task
-        if task <= 0 or self._config.sent.leave:  # how a call ends a task, the manual does not say
+        sent = self._block.status[StatusWord.SENT]
+        if not sent or self._config.sent.leave:  # how a call ends a task, the manual does not say
             return Reason.NONE, ""
-        state = own.call("get_noneblock_taskstate", (task,), self._timeout)
-        if state == TaskState.INTERRUPT:  # not by the next set-point: there is none
-            return Reason.STOPPED, f"task {task} was interrupted by another program"
-        reason, text = ended(task, state)
-        if reason or state == TaskState.FINISHED:
-            return reason, text
+        task = 0 if self._driver is None else self._driver.task
+        if task > 0:
+            state = own.call("get_noneblock_taskstate", (task,), self._timeout)
+            if state == TaskState.INTERRUPT:  # not by the next set-point: there is none
+                return Reason.STOPPED, f"task {task} was interrupted by another program"
+            reason, text = ended(task, state)
+            if reason or state == TaskState.FINISHED:
+                return reason, text
+        elif not self._config.options.watch:
+            return Reason.NONE, ""
         return disabled(own.call("get_robot_state", (), self._timeout))
 
     def _explanation(self, own: OwnConnection) -> str:
