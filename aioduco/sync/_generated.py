@@ -6826,7 +6826,8 @@ def teleoperate(
         The report.
 
     Raises:
-        ParameterError: an argument is out of range, or the device's `read` gave no `Reading`.
+        ParameterError: an argument is out of range, or the device's `read` gave no `Reading`,
+            or one whose `held` or `done` is neither True nor False.
         StreamError: the stream ended for another reason; the error says why.
     """
     from aioduco.devices import teleoperation  # noqa: PLC0415  # only when it is used

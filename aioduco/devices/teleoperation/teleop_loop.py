@@ -10,6 +10,7 @@ from aioduco.devices.teleoperation.reading import STANDING, Reading, ReadingSour
 from aioduco.devices.teleoperation.scale import TeleopScale
 from aioduco.errors import ParameterError
 from aioduco.models.ranges import FINE_SPEED, JOINT_SPEED
+from aioduco.models.rules import Flag
 from aioduco.supervision.permits import asked_at_call
 
 if TYPE_CHECKING:
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from aioduco.streaming.shared.turning import MotionFrame
 
 
+_FLAG = Flag(source="this package")
 _RATE = 50.0
 _DEAD_MAN = 0.2  # s without a call after which the controller ends the motion by itself
 
@@ -81,7 +83,8 @@ async def teleoperate(
         The report.
 
     Raises:
-        ParameterError: an argument is out of range, or the device's `read` gave no `Reading`.
+        ParameterError: an argument is out of range, or the device's `read` gave no `Reading`,
+            or one whose `held` or `done` is neither True nor False.
         StreamError: the stream ended for another reason; the error says why.
     """
     found = TeleopScale() if scale is None else scale
@@ -133,6 +136,8 @@ async def teleoperate(
 def _checked(reading: object) -> Reading:
     """What a device gave, if it is a reading."""
     if isinstance(reading, Reading):
+        _FLAG("the reading's held", reading.held)  # "released" would count as held
+        _FLAG("the reading's done", reading.done)
         with suppress(TypeError):
             if len(reading.axes) == len(STANDING):
                 return reading

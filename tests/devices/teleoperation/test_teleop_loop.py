@@ -11,6 +11,7 @@ from typing import Any
 import anyio
 import numpy as np
 import pytest
+from for_each import for_each
 
 import aioduco
 from aioduco.devices.teleoperation import KeyboardDevice, Reading, TeleopScale, teleoperate
@@ -181,3 +182,24 @@ async def test_what_is_no_reading_ends_the_stream() -> None:
             with pytest.raises(ParameterError, match="a Reading with six axes"):
                 await teleoperate(robot, Wrong(given), **WAITING)
         assert not await robot.state.robotmoving()
+
+
+class Once(Wrong):
+    """One reading, and then the end."""
+
+    def read(self, now: float) -> Reading:
+        found, self._given = super().read(now), Reading(done=True)
+        return found
+
+
+@for_each("held", ["released", "0", float("nan"), None, 1])
+async def test_a_dead_mans_switch_is_held_or_not_and_nothing_else_moves_the_arm(held: Any) -> None:
+    async with ready() as (_, robot):
+        with pytest.raises(ParameterError, match="the reading's held"):
+            await teleoperate(robot, Once(Reading((0.0, 1.0, 0, 0, 0, 0), held=held)), **WAITING)
+
+
+async def test_the_flags_of_numpy_are_flags() -> None:
+    async with ready() as (_, robot):
+        given = Reading(held=np.True_, done=np.True_)  # type: ignore[arg-type]  # as a model gives them
+        assert (await teleoperate(robot, Wrong(given), **WAITING)).held == 1
