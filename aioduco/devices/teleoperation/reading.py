@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from typing import NamedTuple, Protocol
 
-from aioduco.models.rules import Number
+from aioduco.models.rules import Flag, Number
 
 #: times without a sign of the device for which it counts as held
 HELD = Number(0.0, 60.0, "s", open_low=True, source="this package")
 #: share of a deflection within which it counts as at rest
 WIDTH = Number(0.0, 0.9, source="this package")
+
+#: what else counts as true, such as "released", moves no arm
+FLAG = Flag(source="this package")
 
 #: six shares of the full speed, -1 to 1: along x, y, z and about x, y, z; or of joints 1 to 6.
 #: The axes are those of a person who stands behind the arm: x forward, y to the left, z up.

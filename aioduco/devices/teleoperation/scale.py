@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from aioduco.devices.teleoperation.reading import STANDING, Axes, Reading
+from aioduco.devices.teleoperation.reading import FLAG, STANDING, Axes, Reading
 from aioduco.models import ranges
 
 
@@ -28,16 +28,24 @@ class TeleopScale:
         ranges.JOINT_SPEED("joint_speed", self.joint_speed)
 
     def twist(self, reading: Reading) -> Axes:
-        """Speed of the tool [m/s, rad/s]; zero while the dead-man switch is not held."""
-        if not reading.held:
+        """Speed of the tool [m/s, rad/s]; zero while the dead-man switch is not held.
+
+        Raises:
+            ParameterError: `held` is neither True nor False.
+        """
+        if not FLAG("the reading's held", reading.held):
             return STANDING
         x, y, z, rx, ry, rz = reading.axes
         v, w = self.speed, self.turn_speed
         return (x * v, y * v, z * v, rx * w, ry * w, rz * w)
 
     def joints(self, reading: Reading) -> Axes:
-        """Speeds of the joints [rad/s]; zero while the dead-man switch is not held."""
-        if not reading.held:
+        """Speeds of the joints [rad/s]; zero while the dead-man switch is not held.
+
+        Raises:
+            ParameterError: `held` is neither True nor False.
+        """
+        if not FLAG("the reading's held", reading.held):
             return STANDING
         a, b, c, d, e, f = reading.axes
         v = self.joint_speed

@@ -6,11 +6,10 @@ import time
 from contextlib import suppress
 from typing import TYPE_CHECKING, NamedTuple
 
-from aioduco.devices.teleoperation.reading import STANDING, Reading, ReadingSource
+from aioduco.devices.teleoperation.reading import FLAG, STANDING, Reading, ReadingSource
 from aioduco.devices.teleoperation.scale import TeleopScale
 from aioduco.errors import ParameterError
 from aioduco.models.ranges import FINE_SPEED, JOINT_SPEED
-from aioduco.models.rules import Flag
 from aioduco.supervision.permits import asked_at_call
 
 if TYPE_CHECKING:
@@ -22,7 +21,6 @@ if TYPE_CHECKING:
     from aioduco.streaming.shared.turning import MotionFrame
 
 
-_FLAG = Flag(source="this package")
 _RATE = 50.0
 _DEAD_MAN = 0.2  # s without a call after which the controller ends the motion by itself
 
@@ -136,8 +134,8 @@ async def teleoperate(
 def _checked(reading: object) -> Reading:
     """What a device gave, if it is a reading."""
     if isinstance(reading, Reading):
-        _FLAG("the reading's held", reading.held)  # "released" would count as held
-        _FLAG("the reading's done", reading.done)
+        FLAG("the reading's held", reading.held)
+        FLAG("the reading's done", reading.done)
         with suppress(TypeError):
             if len(reading.axes) == len(STANDING):
                 return reading

@@ -222,6 +222,10 @@ def test_speeds_are_scaled_and_zero_without_the_dead_man() -> None:
     assert scale.twist(Reading(axes, held=True)) == (0.1, -0.05, 0.0, 0.0, 0.5, 0.0)
     assert scale.joints(Reading(axes, held=True)) == (0.2, -0.1, 0.0, 0.0, 0.2, 0.0)
     assert scale.twist(Reading(axes)) == scale.joints(Reading(axes)) == STANDING
+    released: Any = "released"
+    for speeds in (scale.twist, scale.joints):
+        with pytest.raises(ParameterError, match="the reading's held"):
+            speeds(Reading(axes, held=released))
     with pytest.raises(ParameterError, match="joint_speed"):
         TeleopScale(joint_speed=9.0)
 
