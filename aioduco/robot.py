@@ -518,6 +518,7 @@ class Robot(Uncopied, ManualNames, MisspeltRefused):
             RobotStateError: a person has to do something first, such as to release the emergency
                 stop; something is paused or runs; or the arm is not ready in time. The message says
                 which.
+            TaskStopped: the robot was stopped or paused meanwhile; no further step was sent.
         """
         from aioduco.supervision.bringup import bring_up  # noqa: PLC0415  # loaded with Thrift
 
@@ -541,6 +542,7 @@ class Robot(Uncopied, ManualNames, MisspeltRefused):
         Raises:
             PersonNeeded: a person has to do something first: the message says what.
             RobotStateError: the arm is not ready in time.
+            TaskStopped: the robot was stopped or paused meanwhile; no further step was sent.
             HeartbeatLost: no heartbeat was answered.
         """
         from aioduco.supervision.bringup import recover  # noqa: PLC0415  # loaded with Thrift

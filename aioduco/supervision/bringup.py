@@ -10,7 +10,14 @@ from dataclasses import dataclass
 from enum import Enum, auto
 from typing import TYPE_CHECKING
 
-from aioduco.errors import DucoError, PersonNeeded, RobotStateError, StaleState, TaskError
+from aioduco.errors import (
+    DucoError,
+    PersonNeeded,
+    RobotStateError,
+    StaleState,
+    TaskError,
+    TaskStopped,
+)
 from aioduco.models.enums import ProgramState, RobotState, SafetyState
 from aioduco.models.ranges import TIMEOUT as SECONDS
 from aioduco.supervision.concurrency import every
@@ -194,6 +201,8 @@ async def recover(supervisor: Supervisor, timeout: float) -> RecoverReport:
 
 async def _go(supervisor: Supervisor, decide: BringUp, timeout: float) -> RecoverReport:
     limit = SECONDS("timeout", timeout)
+    gate = supervisor.gate
+    permit = gate.present(decide.call)
     ticker = every(LOOK_EVERY)
     until = ticker.due + limit
     seen = "nothing was heard of it"
@@ -206,6 +215,11 @@ async def _go(supervisor: Supervisor, decide: BringUp, timeout: float) -> Recove
         except StaleState as exc:
             seen = str(exc)
         else:
+            # who stops or pauses the robot does not expect that it is switched on after that
+            if (ending := gate.ending(permit)) is not None and ending.stops:
+                raise TaskStopped(
+                    decide.call, None, f"was ended, since {ending.value}; no further step was sent"
+                )
             seen = str(states)
             step = decide.next(
                 states, emergency_stop=status.emcStopSignal, collision=status.collision
@@ -218,7 +232,10 @@ async def _go(supervisor: Supervisor, decide: BringUp, timeout: float) -> Recove
                     sensor_tared=decide.has_taken(BringUpStep.POWER_OFF, BringUpStep.ENABLE),
                 )
             if step is not BringUpStep.WAIT:
+                stops = gate.stops
                 await _carry_out(supervisor, step, states, until - time.monotonic(), decide.call)
+                if step is BringUpStep.STOP and gate.stops == stops + 1:  # its own
+                    permit = gate.present(decide.call)
                 ticker.restart()
     raise RobotStateError(
         f"the robot is not ready after {timeout:g} s: {seen}; {await _errors(supervisor)}. Look at "

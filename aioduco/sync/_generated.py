@@ -6274,6 +6274,7 @@ class Robot(RobotLifecycle, ManualNames):
             RobotStateError: a person has to do something first, such as to release the emergency
                 stop; something is paused or runs; or the arm is not ready in time. The message says
                 which.
+            TaskStopped: the robot was stopped or paused meanwhile; no further step was sent.
         """
         return self._call(self._made.bring_up(timeout=timeout))
 
@@ -6294,6 +6295,7 @@ class Robot(RobotLifecycle, ManualNames):
         Raises:
             PersonNeeded: a person has to do something first: the message says what.
             RobotStateError: the arm is not ready in time.
+            TaskStopped: the robot was stopped or paused meanwhile; no further step was sent.
             HeartbeatLost: no heartbeat was answered.
         """
         return self._call(self._made.recover(timeout=timeout))

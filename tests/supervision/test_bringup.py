@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import itertools
 
 import hypothesis.strategies as st
@@ -251,6 +252,22 @@ async def test_a_step_that_the_controller_does_not_take(robot: aioduco.Robot, be
     ) as caught:
         await robot.recover()
     assert isinstance(caught.value.__cause__, aioduco.TaskIllegal)
+
+
+@pytest.mark.parametrize("procedure", ["bring_up", "recover"])
+@pytest.mark.parametrize("name", ["stop", "pause"])
+async def test_who_stops_the_robot_meanwhile_does_not_see_it_switched_on(
+    robot: aioduco.Robot, bench: Bench, procedure: str, name: str
+) -> None:
+    bench.states[:3] = [4, 0, 4]
+    let = bench.hold("power_on", bench._answers["power_on"])
+    going = asyncio.create_task(getattr(robot, procedure)())
+    await eventually_async(lambda: bench.received("power_on"))
+    await getattr(robot, name)()
+    let.set()
+    with pytest.raises(aioduco.TaskStopped, match=f"{procedure} was ended, since the arm was"):
+        await going
+    assert "enable" not in bench.commands
 
 
 async def test_a_step_that_never_ends_has_a_deadline(robot: aioduco.Robot, bench: Bench) -> None:
