@@ -180,7 +180,7 @@ class Stream(Uncopied):
 
         The first call waits until the worker has compared the set-point with the arm's position; if
         it is interrupted, the stream ends. Later calls wait while enough set-points are queued, or
-        never with `latest`; if one is cancelled, its set-point is not sent.
+        never with `latest`; one that is interrupted sends nothing.
 
         Args:
             point: the set-point, in the stream's units. Shape (6,).

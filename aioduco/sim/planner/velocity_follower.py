@@ -13,11 +13,11 @@ import numpy as np
 
 from aioduco.kinematics.forward import fkine, jacobian
 from aioduco.sim.planner.follower import FollowError, TargetFollower
+from aioduco.sim.planner.path import JointSetPoint
 
 if TYPE_CHECKING:
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
-    from aioduco.sim.planner.path import JointSetPoint
 
 
 _SINGULAR = 2e-3  # singularity measure below which a tool cannot be moved at a velocity
@@ -92,9 +92,8 @@ class JointVelocity(_Velocity):
         before = self._present
         change = self._ramp() - before
         self._present = before + self._possible(change, before) * change
-        self.setpoint = self._step(self._present)
-        self._stands()
-        return self.setpoint
+        point = self._step(self._present)
+        return JointSetPoint.at_rest(point.q) if self._stands() else point
 
 
 class ToolVelocity(_Velocity):
