@@ -183,8 +183,11 @@ async def test_no_network_at_all(robot: aioduco.Robot, sim: Simulator, proxy: Fa
 async def test_leaving_says_that_the_arm_is_not_known_to_stand(
     sim: Simulator, proxy: FaultProxy, what: str
 ) -> None:
+    # a cut connection is seen at once: an answer that is late before it is no loss
+    patient = WorkerOptions(timeout=5.0)
+
     async def follow(robot: aioduco.Robot) -> None:
-        async with robot.servo.joints(v=1.0, a=8.0, options=PROCESS) as stream:
+        async with robot.servo.joints(v=1.0, a=8.0, options=patient) as stream:
             await stream.send(START)
             await stream.send([5e-3, *START[1:]])
             # a worker that has sent nothing has moved nothing, and there is nothing to say
