@@ -279,7 +279,12 @@ class Connection:
             sent += stream.send(memoryview(data)[sent:], deadline)
 
     def _receive(self, stream: DeadlineSocket, deadline: float | None) -> codec.ReadResult:
-        data = stream.receive(deadline)
+        try:
+            data = stream.receive(deadline)
+        except DeadlinePassed:
+            if stream.silent:
+                raise
+            data = stream.receive_at_once()  # it came while this thread did not run
         self._life.answering()
         while not self._exchange.receive(data):
             data = stream.receive(deadline)

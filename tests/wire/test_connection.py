@@ -9,6 +9,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -279,6 +280,26 @@ def test_a_silent_controller(name: str, args: tuple[Any, ...], error: type[Excep
         server.wait_finished(1)
         assert gone == [True]
         assert server.names == [name]
+
+
+def test_an_answer_that_came_while_the_caller_did_not_run_is_taken(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The deadline has passed when the caller looks, and the answer is there."""
+    with connected() as (connection, _):
+        deadline = time.monotonic() + PATIENCE
+
+        def held_up() -> None:
+            assert connection.answers_within(PATIENCE)
+            monkeypatch.setattr(
+                deadline_socket, "time", SimpleNamespace(monotonic=lambda: deadline)
+            )
+
+        stop = idl.functions()["stop"]
+        arguments = codec.encode(stop, (True,))
+        assert connection.exchange(stop, arguments, deadline, held_up) == zero("stop")
+        monkeypatch.undo()
+        assert client(connection).get_robot_version() == "3.8"
 
 
 @pytest.mark.slow
