@@ -8,12 +8,13 @@ import socket
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from patient import STREAM_PATIENCE
 
 from aioduco.api.streams.servo import Servo
 from aioduco.sim import Simulator
@@ -24,9 +25,13 @@ from aioduco.supervision.gate import Gate
 from aioduco.testing import RecordingServer, eventually
 
 HERE = [0.0, -0.1, 0.2, 0.3, 0.4, 0.5]
-PROCESS, THREAD = WorkerOptions(run_in="process"), WorkerOptions(run_in="thread")
+# This file may be loaded before these are the defaults.
+PROCESS = WorkerOptions(
+    timeout=STREAM_PATIENCE["timeout"], away_limit=STREAM_PATIENCE["away_limit"]
+)
+THREAD = replace(PROCESS, run_in="thread")
 #: the state of the arm is not asked for meanwhile
-UNWATCHED = WorkerOptions(run_in="thread", watch=0.0)
+UNWATCHED = replace(THREAD, watch=0.0)
 
 workers = pytest.mark.parametrize("options", [THREAD, PROCESS], ids=["thread", "process"])
 
