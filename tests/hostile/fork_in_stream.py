@@ -12,14 +12,38 @@ import asyncio
 import json
 import os
 import sys
+from collections.abc import AsyncIterator, Awaitable, Callable
 from typing import Literal, cast
 
 import aioduco
 from aioduco import WorkerOptions
 from aioduco.errors import DucoError
+from aioduco.streaming.stream import Stream
 
 COUNT = 100
 START = [0.0, 0.1, 1.5, 0.0, -1.5, 0.0]
+
+
+async def in_child(stream: Stream) -> None:
+    """Every way of sending is refused."""
+    stream.statistics()
+
+    async def source() -> AsyncIterator[list[float]]:
+        yield START
+
+    ways: tuple[Callable[[], Awaitable[None]], ...] = (
+        lambda: stream.send(START),
+        lambda: stream.send_chunk([START]),
+        lambda: stream.follow(source()),
+        lambda: stream.play([START, START], [0.0, 1.0]),
+    )
+    for way in ways:
+        try:
+            await way()
+        except DucoError:
+            continue
+        sys.exit(8)
+    sys.exit(7)
 
 
 async def main(host: str, port: int, run_in: Literal["process", "thread"]) -> None:
@@ -33,12 +57,7 @@ async def main(host: str, port: int, run_in: Literal["process", "thread"]) -> No
                 await stream.send([2e-4 * n, *START[1:]])
             child = os.fork()
             if child == 0:
-                try:
-                    stream.statistics()
-                    await stream.send(START)
-                except DucoError:
-                    sys.exit(7)
-                sys.exit(8)
+                await in_child(stream)
             for n in range(COUNT, 2 * COUNT):
                 await stream.send([2e-4 * n, *START[1:]])
         told["child"] = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])  # noqa: ASYNC222  # it has ended
