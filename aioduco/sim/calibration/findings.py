@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
 def deviations(free: float) -> float:
     """Half width of an interval in standard deviations, by its degrees of freedom."""
-    from scipy.stats import t as student  # noqa: PLC0415 - an extra
+    from scipy.special import stdtrit  # noqa: PLC0415 - an extra, and quicker to load than scipy.stats
 
-    return float(student.ppf(0.975, free))
+    return float(stdtrit(free, 0.975))
 
 
 def mean_of(values: Sequence[float], least: float) -> Estimate:
