@@ -122,11 +122,20 @@ def test_a_client_that_never_ends_its_request_does_not_keep_the_arm_moving(sim: 
             assert not sim.view.moving
 
 
-async def test_an_opc_ua_client_moves_and_stops_it(robot: aioduco.Robot, sim: Simulator) -> None:
+def opc_ua_client(endpoint: str) -> Any:
+    """A client that waits for a busy machine.
+
+    Its watchdog asks the server, too: it is answered behind the calls of its session.
+    """
     client_of = need("asyncua.client.client").Client
+    return client_of(endpoint, timeout=60.0, watchdog_intervall=60.0)
+
+
+async def test_an_opc_ua_client_moves_and_stops_it(robot: aioduco.Robot, sim: Simulator) -> None:
+    need("asyncua")
     module = example("server_opcua")
     endpoint = f"opc.tcp://127.0.0.1:{free_port()}"
-    async with module.served(robot, endpoint), client_of(endpoint) as client:
+    async with module.served(robot, endpoint), opc_ua_client(endpoint) as client:
         await (
             robot.rearm_heartbeat()
         )  # making the server holds the loop, on a busy machine for long
@@ -148,13 +157,13 @@ async def test_an_opc_ua_client_s_stop_does_not_wait_for_the_answer_to_its_move(
     sim: Simulator,
 ) -> None:
     """The calls of a session are served one after the other."""
-    client_of = need("asyncua.client.client").Client
+    need("asyncua")
     module = example("server_opcua")
     endpoint = f"opc.tcp://127.0.0.1:{free_port()}"
     with FaultProxy(sim.host, sim.port) as proxy:
         async with aioduco.connect(proxy.host, proxy.port, call_timeout=60.0) as robot:
             await robot.bring_up()
-            async with module.served(robot, endpoint), client_of(endpoint, timeout=60.0) as client:
+            async with module.served(robot, endpoint), opc_ua_client(endpoint) as client:
                 await robot.rearm_heartbeat()  # as above
                 space = await client.get_namespace_index(module.NAMESPACE)
                 arm = await client.nodes.objects.get_child(f"{space}:Arm")
