@@ -49,7 +49,7 @@ async def test_a_guard_that_is_told_to_end_stops_the_arm_and_goes_on(
             task = await under_way(bench, robot)
             os.kill(pid, number)
             assert await task.wait() is aioduco.Outcome.STOPPED
-            assert bench.stops == round_
+            assert bench.commands == round_ * ["movej2", "stop"]
         await robot.stop()
         assert guard.pid == pid
         assert guard.losses == 0
