@@ -688,7 +688,10 @@ class StreamStopped(StreamError):
 
 
 class StreamRefused(StreamError):
-    """The controller refused a set-point, or left the state in which it follows them."""
+    """The controller refused a set-point, or left the state in which it follows them.
+
+    Or another program's motion moved the arm when the stream was to begin: nothing was sent.
+    """
 
 
 class StreamLost(StreamError, ConnectionLost):

@@ -34,6 +34,7 @@ from aioduco.models.pose import Pose
 from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.streaming.shared.words import Reason, StreamState
 from aioduco.streaming.stream import Stream
+from aioduco.streaming.worker import driver
 from aioduco.testing import RecordingServer, eventually, eventually_async, no_leaks
 
 from .conftest import HERE, Controller, Cycles, answer_all, at, fed, near
@@ -598,6 +599,27 @@ async def test_a_stream_that_begins_elsewhere_sends_nothing(
     assert not controller.server.received("start_realtime_mode")
     assert pool.starts == 0
     assert not controller.server.received("stop")
+
+
+@pytest.mark.parametrize("kind", ["servo", "realtime", "track"])
+async def test_a_stream_begins_when_the_arm_swings_no_more(
+    controller: Controller, queue: Cycles, kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It begins where the arm then is."""
+    monkeypatch.setattr(driver, "_SWING", 60.0)
+    PoolDrive(controller, per_look=1)
+    looks: list[bool] = []
+
+    def moving() -> bool:
+        looks.append(len(looks) < 3)
+        return looks[-1]
+
+    controller.server.answer("robotmoving", moving)
+    controller.server.answer(
+        "get_actual_joints_position", lambda: near(0.2 if not looks or looks[-1] else 0.0)
+    )
+    await fed(stream_of(controller, kind, THREAD), [HERE])
+    assert len(looks) > 3
 
 
 @pytest.mark.cases(8)

@@ -32,6 +32,7 @@ from aioduco.streaming.joint_trajectory import Feedback, JointTrajectory, Trajec
 from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.streaming.shared.words import StreamState
 from aioduco.streaming.stream import Stream
+from aioduco.streaming.worker import driver
 from aioduco.testing import ApplicationError, FaultProxy, eventually, eventually_async, no_leaks
 
 from .conftest import PROCESS, THREAD
@@ -53,6 +54,13 @@ async def robot(sim: Simulator) -> AsyncIterator[aioduco.Robot]:
         await robot.bring_up()
         await robot.motion.movej2(START, v=3.0, a=20.0)
         yield robot
+
+
+async def followed(robot: aioduco.Robot, kind: str) -> None:
+    """A stream, from its start to its end."""
+    opened, feed, space, _ = KINDS[kind]
+    async with opened(robot, THREAD) as stream:
+        await feed(robot, stream, space)
 
 
 async def place(robot: aioduco.Robot, space: str) -> np.ndarray:
@@ -427,19 +435,30 @@ async def test_no_stream_on_an_arm_that_another_program_has_paused(
     robot: aioduco.Robot, sim: Simulator, kind: str
 ) -> None:
     """It would move the arm when somebody resumes the motion, behind that."""
-    opened, feed, space, _ = KINDS[kind]
-
-    async def program() -> None:
-        async with opened(robot, THREAD) as stream:
-            await feed(robot, stream, space)
-
     async with aioduco.connect(sim.host, sim.port) as other:
         await other.motion.movej2([START[0] + 0.5, *START[1:]], v=0.5, a=2.0).start()
         await other.pause()
         before = sim.tasks
         with pytest.raises(StreamRefused, match="the arm is paused"):
-            await program()
+            await followed(robot, kind)
         assert sim.tasks == before
+        await other.stop()
+
+
+@pytest.mark.parametrize("kind", FOLLOWED)
+async def test_no_stream_while_another_program_moves_the_arm(
+    robot: aioduco.Robot, sim: Simulator, kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """When that motion had ended, the arm would go back to where it was when the stream began."""
+    monkeypatch.setattr(driver, "_SWING", 0.0)
+    async with aioduco.connect(sim.host, sim.port) as other:
+        motion = await other.motion.movej2([START[0] + 0.5, *START[1:]], v=0.05, a=5.0).start()
+        await eventually_async(lambda: sim.moving)
+        before = [task.id for task in sim.tasks]
+        with pytest.raises(StreamRefused, match="the arm moves, by a person or by another program"):
+            await followed(robot, kind)
+        assert [task.id for task in sim.tasks] == before
+        assert not motion.done
         await other.stop()
 
 

@@ -315,9 +315,9 @@ async def test_of_two_tasks_that_wait_for_room_each_is_woken(controller: Control
 
 async def test_leaving_waits_until_the_arm_stands(controller: Controller) -> None:
     looks = itertools.count()
-    controller.server.answer("robotmoving", lambda: next(looks) < 5)
     async with controller.servo.joints(v=1.0, a=5.0, options=THREAD) as stream:
         await stream.send(HERE)
+        controller.server.answer("robotmoving", lambda: next(looks) < 5)
     assert next(looks) >= 7
 
 

@@ -350,11 +350,11 @@ class TrackPoolDriver(Driver):
         awaited = bool(self._block.control[ControlWord.WAKE_BELOW])
         if not self._states.may_begin(ring.level, ring.capacity, awaited=awaited):
             return self.state < StreamState.ENDED
+        if not self._may_begin():
+            return self.state < StreamState.ENDED
         first = ring.take()
         if first is None:
             return True
-        if not self._may_begin():
-            return False
         actual = read_six(self._connection.call, self._pool.read, self._timeout)
         space = self._pool.space
         reach = tuple(self._block.config.feeding.reach)

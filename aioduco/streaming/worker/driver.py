@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import math
 import time
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING
 
 from aioduco.streaming.shared.words import Reason, StatusWord, StreamState
+from aioduco.streaming.worker.rest import moves
 from aioduco.streaming.worker.watch import disabled, ended
 
 if TYPE_CHECKING:
     from aioduco._wire.connection import Connection
     from aioduco.streaming.shared.block import Block
     from aioduco.streaming.worker.life import Life
+
+
+#: seconds for which an arm may swing out from its program's last motion
+_SWING = 1.0
 
 
 class Driver(ABC):
@@ -39,6 +45,8 @@ class Driver(ABC):
         self._watch_every = int(options.watch * 1e9)
         self._watch_due = time.monotonic_ns() + self._watch_every
         self._task_next = False
+        #: until when the arm may still move before the stream begins [s]; inf: it was not looked at
+        self._swings_until = math.inf
         self._round_trip = block.histograms["round_trip"].record
         self._sent = 0
 
@@ -91,11 +99,19 @@ class Driver(ABC):
         return not reason or self._finish(reason, text)
 
     def _may_begin(self) -> bool:
-        """Whether the controller would follow at once; if it would not, end: nothing was sent.
+        """Whether the controller would follow at once; if it never would, end: nothing was sent.
 
-        What waits behind a paused motion would move the arm when somebody resumes that.
+        What waits behind a paused motion would move the arm when somebody resumes that. What waits
+        behind a motion of another program would lead back to where the arm was when it was sent.
         """
         reason, text = disabled(self._connection.call("get_robot_state", (), self._timeout))
+        if not reason and moves(self._connection, self._timeout):
+            now = time.monotonic()
+            self._swings_until = min(self._swings_until, now + _SWING)
+            if now < self._swings_until:
+                return False
+            text = "the arm moves, by a person or by another program: open a stream when it stands"
+            reason = Reason.REFUSED
         return not reason or self._finish(reason, text)
 
     def _finish(self, reason: Reason, text: str = "") -> bool:

@@ -75,15 +75,21 @@ def _ask(motion: UnansweredMotion, step: NextStep, own: OwnConnection, timeout: 
             own.call("stop", (False,), timeout)
             motion.stopped(begin, time.monotonic())
         else:
-            motion.seen(begin, time.monotonic(), moving=_moves(own, timeout))
+            motion.seen(begin, time.monotonic(), moving=moves(own, timeout))
     except DucoError:
         motion.poll_failed(begin, time.monotonic())
         return False
     return True
 
 
-def _moves(own: OwnConnection, timeout: float) -> bool:
+def moves(connection: Connection | OwnConnection, timeout: float) -> bool:
+    """Whether the arm moves, as far as this controller reports it.
+
+    Args:
+        connection: the connection on which it is asked.
+        timeout: seconds for its answer.
+    """
     try:
-        return bool(own.call("robotmoving", (), timeout))
+        return bool(connection.call("robotmoving", (), timeout))
     except ControllerError:
         return False  # this controller does not report it, so it counts as standing

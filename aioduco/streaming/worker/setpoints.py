@@ -379,7 +379,7 @@ class SetpointFeed:
         """Read the arm's position, as soon as there is a first set-point.
 
         Args:
-            allowed: called once, before that; whether the stream may begin.
+            allowed: called before that, in each tick until the stream may begin; whether it may.
 
         Returns:
             Whether the stream has begun.
