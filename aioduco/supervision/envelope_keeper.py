@@ -18,7 +18,10 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import anyio
+
 from aioduco._process import trial
+from aioduco._process.platform import boot_time
 from aioduco.envelope.checker import BESIDE
 from aioduco.envelope.limits import Crossing, Envelope, ToolForce
 from aioduco.errors import ControllerError, EnvelopeViolated, ParameterError
@@ -50,6 +53,8 @@ _SLOWEST = {
     "movej_pose": 0.01,
 }
 _SLOWEST_LINE = 0.01
+#: seconds between two looks whether what was resumed is over
+_LOOK_EVERY = 0.05
 #: motions of external axes alone
 _NOT_THE_ARM = ("move_eaxis", "move_jog_eaxis")
 
@@ -185,6 +190,18 @@ class EnvelopeKeeper:
         taskless = coordinator.gate.resumed or coordinator.modes.moving
         return bool(taskless or coordinator.follower.motions or coordinator.pending)
 
+    async def _resumed_over(self) -> None:
+        """Wait until what was resumed, and has no task here, is over, unless it moves or is paused.
+
+        Until the arm has stood for a while, it may begin to move by that, on an unknown path.
+        """
+        coordinator = self._coordinator
+        while coordinator.gate.resumed and not coordinator.busy:
+            if not await coordinator.stands() or await coordinator.paused():
+                return
+            coordinator.gate.seen(boot_time(), standing=True)
+            await anyio.sleep(_LOOK_EVERY)
+
     async def check(self, command: Command) -> Command:
         """Check that a motion stays within the envelope; return it, slowed down if necessary."""
         envelope, watch, name = self.envelope, self._watch, command.name
@@ -193,6 +210,7 @@ class EnvelopeKeeper:
             trial.current.checked(name)
         if envelope is None or name in _NOT_THE_ARM:
             return command
+        await self._resumed_over()
         if not self._live:
             watch.unchecked, watch.velocity = False, None
         await self._check_arm(name, envelope)
@@ -563,6 +581,7 @@ class EnvelopeKeeper:
         await self._coordinator.permits.stops_ended()
         if (envelope := self.envelope) is None:
             return None
+        await self._resumed_over()
         if not self._live:  # else the stream is not opened
             self._watch.unchecked, self._watch.velocity, self._last = False, None, None
         await self._check_arm(name, envelope)

@@ -541,6 +541,20 @@ async def test_a_motion_is_not_resumed_when_no_samples_come(
     await robot.stop()
 
 
+async def test_a_motion_after_one_that_was_resumed_is_on_a_known_path(
+    robot: aioduco.Robot,
+) -> None:
+    """It would be stopped before the wall by its speed, although its path ends there."""
+    robot.envelope = Envelope(ARM, wall())
+    task = await robot.motion.movej2(turned(-0.05), v=0.02, a=1.0).start()
+    await robot.pause()
+    await robot.resume()
+    await task
+    motion = await robot.motion.movej2(turned(0.1), v=1.0, a=5.0).start()
+    assert not watch_of(robot).unchecked
+    await motion
+
+
 @pytest.mark.slow
 async def test_a_standing_arm_is_not_stopped_when_no_samples_come(beside: Beside) -> None:
     beside.kill_feed()
