@@ -30,7 +30,7 @@ from aioduco.models.ranges import OWN_NAME_OR_NONE, PORT
 from aioduco.models.ranges import TIMEOUT as SECONDS
 from aioduco.models.similar import MisspeltRefused
 from aioduco.models.trace import ProcedureFinished, emit
-from aioduco.supervision.concurrency import DaemonThread
+from aioduco.supervision.concurrency import BackgroundTasks, DaemonThread
 from aioduco.supervision.permits import asked_at_call
 from aioduco.supervision.settings import RobotSettings
 
@@ -385,7 +385,11 @@ class Robot(Uncopied, ManualNames, MisspeltRefused):
         supervisor = getattr(self, "_supervisor", None)
         if supervisor is not None and supervisor.state == "open":
             unclosed = f"unclosed {self!r}"
-            supervisor.forget()
+            if supervisor.forget():
+                closing = BackgroundTasks(lambda _: None)
+                supervisor.owner_loop.run(
+                    lambda: closing.start(supervisor.aclose(), "aioduco close")
+                )
             # Last: it may raise or block if the program makes warnings errors, or shows them.
             warnings.warn(unclosed, ResourceWarning, source=self, stacklevel=2)
 

@@ -482,15 +482,15 @@ class Supervisor:
             limit = self.settings.lag_limit
             self._unwatch = watchdogs.watch(self._liveness, limit, self._loop_blocked())
 
-    def forget(self) -> None:
+    def forget(self) -> bool:
         """Stop what moves, and end the heartbeat, after the program dropped an open robot.
 
         A section or a motion of it that the program kept can move the arm no more. Nothing is left
         to do as the interpreter ends: the arm was stopped at exit, and a thread that ended in
-        mid-work may hold a lock for ever.
+        mid-work may hold a lock for ever. Returns whether it was stopped, and is to be closed.
         """
         if self.owner_loop.in_forked_child or sys.is_finalizing():
-            return
+            return False
         self.gate.close(
             "the robot was dropped without being closed: keep what connect() returned as long as "
             "you use any part of it"
@@ -499,8 +499,10 @@ class Supervisor:
         if self.heartbeat is not None:
             self.heartbeat.end()
         # One that could not be stopped stays with the guard, which stops it.
-        if self.guard is not None and (self._stopped_at_exit or not self.stop_coordinator.moving):
+        stands = self._stopped_at_exit or not self.stop_coordinator.moving
+        if self.guard is not None and stands:
             self.guard.forget()
+        return stands and not self.owner_loop.closed
 
     def _at_exit(self) -> None:
         self._stop_at_exit()

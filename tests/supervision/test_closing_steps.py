@@ -337,8 +337,9 @@ async def test_what_is_kept_of_a_dropped_robot_moves_the_arm_no_more(
     before = list(bench.commands)
     with pytest.raises(aioduco.RobotStateError, match="dropped without being closed: keep what"):
         await motion.movej2(HOME, v=1.0, a=1.0)
-    assert bench.commands == before
-    await supervisor.aclose()
+    assert "movej2" not in bench.commands[len(before) :]
+    # its connections end, and with them its threads
+    await eventually_async(lambda: supervisor.state == "closed" and not bench.connections)
 
 
 async def test_a_robot_that_is_being_closed_is_closed_when_the_next_aclose_returns(
