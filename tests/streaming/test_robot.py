@@ -192,6 +192,7 @@ async def test_so_does_a_stop_by_another_program(
             await ended_by(robot, sim, kind, other.stop, error=error)
             await eventually_async(lambda: not sim.tasks)
             assert not sim.view.moving
+            assert await robot.realtime.get_realtime_data_queue_size() == 0
             if error is StreamStopped:  # the end of a realtime queue does not say why
                 with pytest.raises(TaskStopped, match="was not sent"):
                     await robot.motion.movej2(START, v=3.0, a=20.0)

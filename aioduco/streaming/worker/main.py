@@ -200,6 +200,10 @@ class StreamWorker:
                 continue
             if name == sent.ending and answer >= 0 and not (pool and refused(answer)):
                 status[StatusWord.MODE] = 0
+        if sent.kind == "queue" and not status[StatusWord.MODE]:
+            # whoever starts the mode again would begin with what is left
+            with contextlib.suppress(DucoError):
+                own.call("clear_realtime_data_queue", (), self._timeout)
         if error is not None:
             raise error
         if not halted:
