@@ -30,7 +30,7 @@ from aioduco.streaming.worker.rest import bring_to_rest
 from aioduco.supervision.unanswered import UnansweredMotion
 from aioduco.testing import Delay, FaultProxy, eventually_async
 
-from .conftest import HERE, THREAD, Controller, fed
+from .conftest import HERE, THREAD, UNWATCHED, Controller, fed
 from .motion import peaks
 
 AMOUNT = st.floats(0.1, 5.0)
@@ -217,6 +217,17 @@ async def test_a_speed_that_somebody_pauses_while_it_ends_is_told(controller: Co
     ramped = partial(eventually_async, lambda: len(controller.server.received("speedj")) > 50)
     with pytest.raises(StreamRefused, match="was paused"):
         await fed(opened, [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]], ramped)
+    assert controller.names()[-2:] == ["speed_stop", "stop"]
+
+
+async def test_a_speed_that_is_found_paused_at_its_end_is_stopped(controller: Controller) -> None:
+    """Also where nobody looked: what is left of it must not move the arm when it is resumed."""
+    opened = Speed(controller.endpoint).joints(a=0.5, v=0.5, options=UNWATCHED)
+    controller.server.answer(
+        "get_robot_state", lambda: [6, 2 + (opened.state >= StreamState.DECELERATING), 5, 1]
+    )
+    with pytest.raises(StreamRefused, match="the arm is paused"):
+        await fed(opened, [[0.1, 0.0, 0.0, 0.0, 0.0, 0.0]])
     assert controller.names()[-2:] == ["speed_stop", "stop"]
 
 

@@ -109,14 +109,13 @@ class StreamWorker:
 
     def run(self) -> None:
         """Run to the end of the stream. The outcome, errors included, is written into the block."""
-        block = self._block
+        block, own = self._block, self._own_connection()
         reason, text = Reason.NONE, ""
-        own = self._own_connection()
         block.status[StatusWord.UNMET] = prepare(self._config.options)
         block.status[StatusWord.PRIORITY] = realtime_priority()
         try:
-            sent = self._config.sent
-            way_out.prepare((*way_out.STANDSTILL, *(call[0] for call in sent.leave), sent.ending))
+            leave, ending = self._config.sent.leave, self._config.sent.ending
+            way_out.prepare((*way_out.STANDSTILL, *(call[0] for call in leave), ending))
             self._driver = self._make_driver(own.ready())
             block.status[StatusWord.READY] = 1
             self._wake_program()
@@ -133,8 +132,9 @@ class StreamWorker:
             life = self._driver.life
             life.end(reason or life.reason, text or life.text)
             reason, text = life.reason, life.text
-            with contextlib.suppress(DucoError):
+            with contextlib.suppress(DucoError, OSError):
                 self._driver.publish()
+                reason, text = self._paused(own, reason) or (reason, text)
         try:
             self._end_on_controller(own, reason)
             if reason is Reason.CLOSED:
@@ -208,6 +208,17 @@ class StreamWorker:
             raise error
         if not halted:
             self._wait_for_standstill(own)
+
+    def _paused(self, own: OwnConnection, reason: Reason) -> tuple[Reason, str] | None:
+        """Why a speed that its program has closed does not end well; None if nothing says so.
+
+        Asked before the call that ends a speed, since that may end a pause, and leave no trace.
+        """
+        sent = self._block.status[StatusWord.SENT]
+        if reason is not Reason.CLOSED or not sent or not self._config.sent.leave:
+            return None
+        found = disabled(own.call("get_robot_state", (), self._timeout))
+        return found if found[0] else None
 
     def _ended_early(self, own: OwnConnection) -> tuple[Reason, str]:
         """Why the arm that stands is not at the last set-point; NONE if nothing says so."""
