@@ -3,7 +3,7 @@
 - `time.sleep` and the clocks of `time`, timers of asyncio's event loops and waits of `threading`
   use `ProgramClock` when the program calls them. This package and the standard library keep the
   wall clock, so that network time-outs are real.
-- What a loop of the program has a thread of a pool compute holds the time as the loop itself does.
+- What the program has a thread of a pool compute holds the time as the program itself does.
 - A new task of asyncio knows the line of the program that made it.
 - A coroutine that is never awaited is reported with the line that made it.
 """
@@ -20,6 +20,7 @@ import threading
 import time
 import warnings
 import weakref
+from concurrent import futures
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
 
@@ -51,6 +52,9 @@ _own: weakref.WeakSet[threading.Thread] = weakref.WeakSet()
 BLOCKED = 1.0
 #: time between two checks of a wait with a time-out, by the wall clock [s]
 _LOOK = 0.01
+
+# replaced below
+_join = threading.Thread.join
 
 #: event loops that were made in this process, which runs one program
 loops: weakref.WeakSet[asyncio.AbstractEventLoop] = weakref.WeakSet()
@@ -90,7 +94,7 @@ def _by_program() -> bool:
     """Whether the program called the replaced function directly, or by a thread or a pool."""
     name = sys._getframe(2).f_globals.get("__name__", "")
     first = name.partition(".")[0]
-    if first in _THREADS:
+    if first in _THREADS or name == __name__:
         return _asked_in_thread(3)
     return name.startswith("aioduco.cli") if first == "aioduco" else first not in _BETWEEN
 
@@ -304,34 +308,64 @@ def _threads(clock: ProgramClock) -> None:
 
 
 class _Offloaded:
-    """A function for a thread of a pool, which computes for a loop: it holds the time.
+    """A function for a thread of a pool, which computes for the program: it holds the time.
 
-    So does the way to the thread, and from its end to the loop.
+    So does the way to the thread, once one is free, and from its end to who waits for it.
 
     Args:
         clock: the program's time.
         function: the function.
+        works: functions of the same pool that have not ended, in their order; this one is added.
+        threads: number of threads of the pool.
     """
 
-    def __init__(self, clock: ProgramClock, function: Callable[..., Any]) -> None:
-        self._clock, self._function = clock, function
-        self._lock = threading.Lock()
-        self._on_its_way = self._over = False
-        self._hold(on_its_way=True)
+    _lock = threading.RLock()
 
-    def __call__(self, *args: Any) -> Any:
+    def __init__(
+        self,
+        clock: ProgramClock,
+        function: Callable[..., Any],
+        works: list[_Offloaded] | None = None,
+        threads: int = 1,
+    ) -> None:
+        self._clock, self._function = clock, function
+        self._works: list[_Offloaded] = [] if works is None else works
+        self._threads = threads
+        self._begun = self._on_its_way = self._over = False
+        #: what the pool has given for it
+        self.future: futures.Future[Any] | None = None
+        with self._lock:
+            self._works.append(self)
+            self._send()
+
+    def __call__(self, *args: Any, **options: Any) -> Any:
         self._clock.add_actor(self._clock.LONGEST)
-        self._hold(on_its_way=False)
+        with self._lock:
+            self._begun = True
+            self._hold(on_its_way=False)
         try:
-            return self._function(*args)
+            return self._function(*args, **options)
         finally:
             self._hold(on_its_way=True)
+            self._end()
             self._clock.remove_actor()
 
     def over(self, *_: object) -> None:
-        """The loop has what it waited for, or waits no more."""
+        """Who waited for it has it, or waits no more."""
         self._over = True
         self._hold(on_its_way=False)
+        self._end()
+
+    def _end(self) -> None:
+        with self._lock:
+            if self in self._works:
+                self._works.remove(self)
+                self._send()
+
+    def _send(self) -> None:
+        for each in self._works[: self._threads]:
+            if not each._begun:
+                each._hold(on_its_way=True)
 
     def _hold(self, *, on_its_way: bool) -> None:
         with self._lock:
@@ -344,7 +378,10 @@ class _Offloaded:
 def _pools(clock: ProgramClock) -> None:
     base: Any = asyncio.base_events.BaseEventLoop
     module: Any = anyio.to_thread
+    pool: Any = ThreadPoolExecutor
     in_executor, run_sync = base.run_in_executor, module.run_sync
+    submit, shutdown = pool.submit, pool.shutdown
+    pools: weakref.WeakKeyDictionary[Any, list[_Offloaded]] = weakref.WeakKeyDictionary()
 
     def offloaded(self: Any, executor: Any, func: Any, *args: Any) -> Any:
         threads = executor is None or isinstance(executor, ThreadPoolExecutor)
@@ -368,7 +405,28 @@ def _pools(clock: ProgramClock) -> None:
         finally:
             work.over()
 
+    def submitted(self: Any, fn: Any, /, *args: Any, **options: Any) -> Any:
+        if isinstance(fn, _Offloaded) or not _asked_by_program():
+            return submit(self, fn, *args, **options)
+        work = _Offloaded(clock, fn, pools.setdefault(self, []), self._max_workers)
+        try:
+            work.future = submit(self, work, *args, **options)
+        except BaseException:
+            work.over()
+            raise
+        work.future.add_done_callback(work.over)
+        return work.future
+
+    def shut(self: Any, wait: bool = True, **options: Any) -> None:
+        if wait and self in pools:
+            shutdown(self, wait=False, **options)
+            futures.wait([each.future for each in pools[self] if each.future is not None])
+            for each in self._threads:
+                _join(each)  # no wait of the program: they end at once
+        shutdown(self, wait, **options)
+
     base.run_in_executor, module.run_sync = offloaded, synced
+    pool.submit, pool.shutdown = submitted, shut
 
 
 def _coroutines(recorder: RunRecorder) -> None:

@@ -237,6 +237,40 @@ def test_what_a_thread_computes_for_a_loop_takes_no_more_than_its_time(tmp_path:
     assert report.ok, report.findings
 
 
+BY_POOLS = """
+import time
+from concurrent.futures import ThreadPoolExecutor
+import aioduco.sync
+
+def wall():  # which no preflight replaces
+    return time.clock_gettime(time.CLOCK_MONOTONIC)
+
+def computes():
+    begin = time.thread_time()
+    while time.thread_time() - begin < 0.1:
+        pass
+
+def goes():
+    robot.motion.movej2((0.3, 0.0, 1.5, 0.0, -1.5, 0.0), v=1.0, a=2.0)
+
+with aioduco.sync.connect("192.168.1.10") as robot:
+    robot.bring_up()
+    for call, shortest in ((computes, 0.0), (goes, 0.1), (lambda: time.sleep(3.0), 3.0)):
+        begin, real = time.monotonic(), wall()
+        with ThreadPoolExecutor(1) as pool:
+            pool.submit(call).result()
+            waits = [pool.submit(time.sleep, 1.0) for _ in range(2)]
+        took, real = time.monotonic() - begin, wall() - real
+        assert shortest + 2.0 <= took < shortest + 2.0 + real + 2.0, (call, took, real)
+"""
+
+
+def test_what_a_thread_computes_for_a_program_takes_no_more_than_its_time(tmp_path: Path) -> None:
+    """A motion in a pool of two threads took as long as the computer simulated, 15 s."""
+    report = tried(tmp_path, BY_POOLS)
+    assert report.ok, report.findings
+
+
 LIMITED = """
 import time
 import aioduco.sync
