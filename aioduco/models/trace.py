@@ -2,11 +2,12 @@
 
 A hook is any callable that takes a `TraceEvent`. It runs on a separate thread and gets the events
 one after another, in their order, shortly after they happened: `TraceEvent.at` has the time. It
-gets the context variables of the call's caller, such as the current span of OpenTelemetry. An
-exception of a hook is logged. A hook that blocks delays the next events and the log messages of
-this package, but never a call or a stop. If a hook is too slow, up to 10,000 events wait; further
-ones are dropped, and the log says how many. When a robot has been closed, the hook has got all of
-its events, unless that takes longer than a second. While no hook is set, no events are made.
+gets the context variables of the call's caller, such as the current span of OpenTelemetry. The
+first exception of a hook is logged, with its traceback. A hook that blocks delays the next events
+and the log messages of this package, but never a call or a stop. If a hook is too slow, up to
+10,000 events wait; further ones are dropped, and the log says how many. When a robot has been
+closed, the hook has got all of its events, unless that takes longer than a second. While no hook is
+set, no events are made.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ __all__ = [
     "Trace",
     "TraceEvent",
     "emit",
+    "guarded",
     "tell",
 ]
 
@@ -109,9 +111,28 @@ class ProcedureFinished(TraceEvent):
 Trace = Callable[[TraceEvent], None]
 
 
+def guarded(trace: Trace) -> Trace:
+    """The hook without its exceptions, of which the first is logged: there are many events."""
+    failed = False
+
+    def call(event: TraceEvent) -> None:
+        nonlocal failed
+        try:
+            trace(event)
+        except BaseException:
+            # A hook may even try to end the thread, which others need.
+            if not failed:
+                _log.exception(
+                    "the trace hook failed at %r; should it fail again, that is not logged", event
+                )
+            failed = True
+
+    return call
+
+
 def emit(trace: Trace, event: TraceEvent) -> None:
-    """Queue a call of the hook with an event; its exceptions and its duration do no harm."""
-    reporter.put(lambda: _call(trace, event))
+    """Queue a call of a guarded hook with an event; its duration does no harm."""
+    reporter.put(lambda: trace(event))
 
 
 def tell(observers: Iterable[Callable[[T], object]], what: T) -> None:
@@ -121,11 +142,3 @@ def tell(observers: Iterable[Callable[[T], object]], what: T) -> None:
             observer(what)
         except Exception:
             _log.exception("an observer failed at %r", what)
-
-
-def _call(trace: Trace, event: TraceEvent) -> None:
-    try:
-        trace(event)
-    except BaseException:
-        # A hook may even try to end the thread, which others need.
-        _log.exception("the trace hook failed at %r", event)

@@ -9,6 +9,7 @@ from aioduco.errors import ParameterError
 from aioduco.models.controller_clock import Clock
 from aioduco.models.ranges import FILE, STATE_RATE, TIMEOUT
 from aioduco.models.rules import Integer, Number
+from aioduco.models.trace import guarded
 from aioduco.models.words import one_of
 from aioduco.supervision.task import OnCancel
 
@@ -118,8 +119,10 @@ class RobotSettings:
             FILE("record", self.record)
         if not isinstance(self.clock, Clock):
             raise ParameterError("clock", self.clock, "a Clock, such as Simulator.clock, or None")
-        if self.trace is not None and not callable(self.trace):
-            raise ParameterError("trace", self.trace, "a function of an event, or None")
+        if self.trace is not None:
+            if not callable(self.trace):
+                raise ParameterError("trace", self.trace, "a function of an event, or None")
+            object.__setattr__(self, "trace", guarded(self.trace))
         one_of("on_cancel", self.on_cancel, get_args(OnCancel))
 
     @property

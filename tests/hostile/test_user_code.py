@@ -256,8 +256,9 @@ async def test_what_failed_in_the_background_is_dealt_with_although_the_report_r
 
 @pytest.mark.parametrize("error", ERRORS)
 async def test_a_trace_hook_that_raises_breaks_no_call_and_no_stop(
-    bench: Bench, error: type[BaseException]
+    bench: Bench, error: type[BaseException], caplog: pytest.LogCaptureFixture
 ) -> None:
+    """It is told once: a line for each event would hide the others."""
     calls = 0
 
     def hook(event: object) -> None:
@@ -271,6 +272,7 @@ async def test_a_trace_hook_that_raises_breaks_no_call_and_no_stop(
         robot.stop_now()
     assert not bench.moving()
     assert calls > 5
+    assert caplog.text.count("the trace hook failed") == 1
 
 
 @pytest.mark.slow

@@ -23,7 +23,13 @@ from aioduco.errors import (
     OutcomeUnknown,
     ParameterError,
 )
-from aioduco.models.trace import CallFinished, ConnectionEnded, ConnectionOpened, TraceEvent
+from aioduco.models.trace import (
+    CallFinished,
+    ConnectionEnded,
+    ConnectionOpened,
+    TraceEvent,
+    guarded,
+)
 from aioduco.testing import eventually_async, no_leaks
 
 from .lanes import SHORT, Gate, channel, opened
@@ -290,7 +296,7 @@ async def test_a_hook_that_fails_disturbs_no_call(caplog: pytest.LogCaptureFixtu
     def hook(_: TraceEvent) -> None:
         raise ValueError("a mistake")
 
-    async with opened(trace=hook) as (lane, _):
+    async with opened(trace=guarded(hook)) as (lane, _):
         assert await lane.rpc.stop(True) == 0
     await eventually_async(lambda: "the trace hook failed" in caplog.text)
     assert "a mistake" in caplog.text
