@@ -442,6 +442,9 @@ def _followed(
     slowest = math.sqrt(np.asarray(limits.ceiling).min())
     # A curve that mostly turns is slow for its turn, at which a singularity has no part.
     wanted = v if curve.turning == 0.0 else min(v, curve.length / curve.turning)
+    # One that bends is slow for its bend.
+    if (bend := max(limits.curvature)) > 0.0:
+        wanted = min(wanted, math.sqrt(a / bend))
     if slowest < _SLOWEST * wanted:
         place = "near a singularity of the path" if laid is curve else "the weave"
         raise PlanError("singular", f"the joints cannot follow {place}")
