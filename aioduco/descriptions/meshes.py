@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from aioduco.errors import ParameterError
 from aioduco.kinematics.looks import merged
+from aioduco.models.ranges import FOLDER
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Iterable, Sequence
+    from pathlib import Path
 
     from aioduco.descriptions.tree import ArmTree
     from aioduco.kinematics.looks import Faces
@@ -43,7 +44,7 @@ def find_meshes(
     """
     if folder is None:
         return {}
-    place = Path(folder).resolve()
+    place = FOLDER("meshes", folder).resolve()
     files = {path.name.lower(): path for path in sorted(place.glob("*")) if path.is_file()}
     found: dict[str, Path] = {}
     for tree in trees:

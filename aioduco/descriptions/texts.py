@@ -156,7 +156,7 @@ def moveit(
         raise ParameterError("group", group, "a word of letters, digits and _")
     whole, trees = _take(arms, name)
     links = {link.name for tree in trees for link in tree.links}
-    if tip and not {tree.arm.prefix + tip for tree in trees} <= links:
+    if tip != "" and not {f"{tree.arm.prefix}{tip}" for tree in trees} <= links:
         raise ParameterError("tip", tip, f"one of {', '.join(sorted(links))}, without a prefix")
     uris = _addresses(trees, meshes, mesh_uri)
     return moveit_files(whole, trees, uris, distro, group=group, tip=tip)
@@ -179,6 +179,8 @@ def _addresses(
     trees: list[ArmTree], meshes: str | os.PathLike[str] | None, uri: str | None
 ) -> dict[str, dict[str, str]]:
     """Return the URIs of meshes: by link, by colour; "" for colours of their own."""
+    if uri is not None and not isinstance(uri, str):
+        raise ParameterError("mesh_uri", uri, 'a text, such as "package://my_arm/meshes", or None')
     if meshes is None:
         if uri is None:
             return {}

@@ -102,7 +102,7 @@ class TaughtPoints(MutableMapping[str, Point]):
         return point
 
     def _named(self, name: str) -> Point:
-        if name not in self._points:
+        if not isinstance(name, str) or name not in self._points:
             listed = ", ".join(self._points) or "none"
             raise ParameterError("name", name, f"one of {listed}{did_you_mean(name, self._points)}")
         return self._points[name]

@@ -6,7 +6,6 @@ import copy
 import dataclasses
 import itertools
 import threading
-from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +23,7 @@ from aioduco.sim.scene import MountingLike, SceneLike, Thing, mjcf_of, mounting_
 
 if TYPE_CHECKING:
     import os
+    from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
 
@@ -87,9 +87,11 @@ class Scene:
         self._revision = 0
         #: programs and executions of plans use the scene in other threads, too
         self._lock = threading.RLock()
-        if isinstance(things, Thing) or not isinstance(things, Iterable):
-            raise SceneError(f"{things!r} is no list of things")
-        self.add(*things)
+        try:
+            listed = [*things]
+        except TypeError:
+            raise SceneError(f"{things!r} is no list of things") from None
+        self.add(*listed)
 
     @classmethod
     def from_simulator(cls, simulator: Simulator, *, padding: float = 0.005) -> Scene:

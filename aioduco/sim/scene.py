@@ -340,11 +340,14 @@ def mjcf_of(scene: SceneLike, *, free: bool = True) -> str:
         return text
     if isinstance(scene, str | os.PathLike):
         return os.path.abspath(scene)  # noqa: PTH100 - a path that need not exist here
-    if not isinstance(scene, Iterable):
-        raise SceneError(f"{scene!r} is no scene: give things, or one file, or MJCF as text")
+    try:
+        things = iter(scene)
+    except TypeError:
+        wrong = f"{scene!r} is no scene: give things, or one file, or MJCF as text"
+        raise SceneError(wrong) from None
     root = ET.Element("mujoco")
     world = ET.SubElement(root, "worldbody")
-    for thing in scene:
+    for thing in things:
         if not isinstance(thing, Thing):
             raise SceneError(f"{thing!r} is no thing: give things, or one file, or MJCF as text")
         if assets := thing.assets():

@@ -110,8 +110,9 @@ def test_files_of_moveit_1_with_names_of_another_package() -> None:
     assert list(files["kinematics.yaml"]) == ["duco_gcr5"]
     chain = files["gcr5_910.srdf"].find("group[@name='duco_gcr5']/chain")
     assert chain.get("tip_link") == "link_6"
-    with pytest.raises(ParameterError, match="link_6"):
-        moveit("gcr5_910", tip="link_9")
+    for tip in list[Any](["link_9", 9, ["link_6"]]):
+        with pytest.raises(ParameterError, match="link_6"):
+            moveit("gcr5_910", tip=tip)
     with pytest.raises(ParameterError, match="group"):
         moveit("gcr5_910", group="a b")
 

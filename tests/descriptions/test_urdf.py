@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as ET
@@ -240,6 +241,9 @@ def test_what_is_wrong_is_said(tmp_path: Path) -> None:
         urdf("gcr5_910", name="my cell")
     with pytest.raises(ParameterError, match="a folder with base_link"):
         urdf("gcr5_910", meshes=tmp_path)
+    for option, texts in product(("meshes", "mesh_uri"), list[Any]([5, b"meshes", ["meshes"]])):
+        with pytest.raises(ParameterError, match=f"^{option} is "):
+            urdf("gcr5_910", **{option: texts})
     wrong: dict[str, Any] = {
         "mass": -1.0,
         "centre": (0, 0),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import pytest
 from for_each import for_each
@@ -76,8 +77,9 @@ def test_only_points_have_a_name_and_only_the_kind_that_is_there() -> None:
     for name, point in (("", HOME), ("home", [0.0] * 6), (3, HOME)):
         with pytest.raises(ParameterError):
             points[name] = point  # type: ignore[index, assignment]  # wrong on purpose
-    with pytest.raises(ParameterError, match="home, above"):
-        points.joints("hone")
+    for wrong in list[Any](["hone", ["home"]]):
+        with pytest.raises(ParameterError, match="home, above"):
+            points.joints(wrong)
     with pytest.raises(ParameterError, match="a pose"):
         points.joints("above")
     with pytest.raises(ParameterError, match="joint angles"):

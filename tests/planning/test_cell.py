@@ -253,6 +253,8 @@ def test_unknown_names_are_answered_with_the_nearest() -> None:
         cell().joints("redy")
     with pytest.raises(aioduco.ParameterError, match="did you mean 'right'"):
         cell().connect("rigth")
+    with pytest.raises(aioduco.ParameterError, match="a robot of"):
+        cell().connect(["right"])  # type: ignore[arg-type]  # wrong on purpose
 
 
 # -- teaching ------------------------------------------------------------------------------------

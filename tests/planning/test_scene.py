@@ -360,8 +360,9 @@ def test_what_is_given_wrongly_is_refused() -> None:
         Mesh(file="nowhere.stl")
     with pytest.raises(SceneError, match="no thing"):
         Scene("gcr5_910", ["box"])  # type: ignore[list-item] # what a user may give
-    with pytest.raises(SceneError, match="no list of things"):
-        Scene("gcr5_910", Box())  # type: ignore[arg-type] # what a user may give
+    for things in list[Any]([Box(), np.array(1.0)]):
+        with pytest.raises(SceneError, match="no list of things"):
+            Scene("gcr5_910", things)
     for model in (5, "gcr5_911"):
         with pytest.raises(ParameterError, match="model"):
             Scene(model)  # type: ignore[arg-type] # what a user may give

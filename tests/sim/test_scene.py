@@ -192,8 +192,9 @@ def test_what_is_no_observer_is_refused_while_it_runs() -> None:
 def test_what_is_no_scene_is_refused_before_the_start() -> None:
     with pytest.raises(SceneError, match="no thing"):
         Simulator(scene=["box"])  # type: ignore[list-item]  # on purpose
-    with pytest.raises(SceneError, match="3 is no scene"):
-        Simulator(scene=3)  # type: ignore[arg-type]  # on purpose
+    for scene in list[Any]([3, np.array(3)]):
+        with pytest.raises(SceneError, match="is no scene"):
+            Simulator(scene=scene)
     with pytest.raises(SceneError, match="no mounting is called 'roof'"):
         Simulator(mounting="roof")  # type: ignore[arg-type]  # on purpose
     with pytest.raises(SceneError, match="mounting is"):

@@ -232,7 +232,7 @@ class Cell(Mapping[str, Point]):
             ParameterError: there is no such robot, or several and none is the default.
         """
         wanted = self._default if name is None else name
-        if wanted not in self.robots:
+        if not isinstance(wanted, str) or wanted not in self.robots:
             listed = ", ".join(self.robots) or "none"
             near = did_you_mean(wanted, self.robots)
             raise ParameterError("robot", name, f"a robot of {self.path}: {listed}{near}")
