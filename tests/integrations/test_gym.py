@@ -207,6 +207,8 @@ def test_what_is_no_action_is_refused_and_does_nothing(made: Callable[..., Any])
     for bad in (np.zeros(4), np.array((0.0, np.nan, 0.0)), "abc", {}, [[0.0], [0.0, 1.0]]):
         with pytest.raises(ParameterError, match="action"):
             env.step(bad)
+    with pytest.raises(ParameterError, match="there are no options"):
+        env.reset(options={"goal": (0.5, 0.0, 0.2)})
     after, reward, *_ = env.step(np.zeros(3))
     np.testing.assert_allclose(after["observation"][:6], before["observation"][:6], atol=1e-6)
     assert reward == -np.linalg.norm(after["achieved_goal"] - after["desired_goal"])
@@ -216,7 +218,7 @@ def test_what_is_no_action_is_refused_and_does_nothing(made: Callable[..., Any])
         (name,) = wrong
         with pytest.raises(ParameterError, match=f'{name} is .*, but must be "'):
             gymnasium.make("aioduco/Reach-v0", **wrong)
-    for size in (64, (64,), (64, 0), (64.0, 64.0), "64"):
+    for size in (64, (64,), (64, 0), (64.0, 64.0), "64", np.array(64)):
         with pytest.raises(ParameterError, match=r"size is .*, but must be height and width"):
             gymnasium.make("aioduco/Reach-v0", size=size)
 

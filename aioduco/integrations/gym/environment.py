@@ -112,14 +112,19 @@ class ArmEnv(Uncopied, gymnasium.Env[dict[str, Any], Any]):
         self,
         *,
         seed: int | None = None,
-        options: dict[str, Any] | None = None,  # noqa: ARG002 - there are none yet
+        options: dict[str, Any] | None = None,
     ) -> tuple[dict[str, Any], dict[str, Any]]:
         """Begin an episode; the same seed gives the same episode.
 
         Args:
             seed: as in Gymnasium.
-            options: not used.
+            options: None, or empty: there are none.
+
+        Raises:
+            ParameterError: options were given; nothing was done.
         """
+        if options:
+            raise ParameterError("options", options, "None, or empty: there are no options")
         super().reset(seed=seed)
         setup = self._task.begin(self.np_random)
         self._goal = setup.goal
@@ -269,7 +274,7 @@ class ArmEnv(Uncopied, gymnasium.Env[dict[str, Any], Any]):
 
 def _checked_size(size: object) -> tuple[int, int]:
     """Height and width of pictures, if they are that."""
-    numbers = tuple(size) if isinstance(size, (tuple, list, np.ndarray)) else ()
+    numbers = tuple(np.atleast_1d(size)) if isinstance(size, (tuple, list, np.ndarray)) else ()
     if len(numbers) != 2 or not all(is_whole(n) and n > 0 for n in numbers):
         raise ParameterError("size", size, "height and width, two whole numbers above 0 [pixels]")
     return int(numbers[0]), int(numbers[1])
