@@ -34,20 +34,28 @@ Endings: TypeAlias = "Sequence[tuple[str, tuple[bool, ...]]]"
 #: keep-alives of an event loop per stall limit, and the longest time between two [s]
 _SIGNS: Final = 10
 _SIGN_EVERY: Final = 0.1
+#: keep-alives per lag limit: one that runs is never late by it
+_SIGNS_PER_LAG: Final = 2.5
 #: calls of the stack that are kept
 _DEPTH: Final = 12
 #: functions of asyncio that run a loop
 _LOOPS: Final = frozenset({"run", "run_until_complete", "run_forever", "_run_once", "_run"})
 
 
-def keep_alives(stall_limit: float, first: float | None = None) -> Ticker:
+def keep_alives(
+    stall_limit: float, first: float | None = None, lag_limit: float | None = None
+) -> Ticker:
     """Return the moments at which an event loop sends a keep-alive.
 
     Args:
         stall_limit: seconds without one after which its program counts as hung.
         first: when the first one was due [s of `time.monotonic`]; None for now.
+        lag_limit: seconds without one after which the loop counts as blocked; None for no limit.
     """
-    return every(min(stall_limit / _SIGNS, _SIGN_EVERY), first)
+    period = min(stall_limit / _SIGNS, _SIGN_EVERY)
+    if lag_limit is not None:
+        period = min(period, lag_limit / _SIGNS_PER_LAG)
+    return every(period, first)
 
 
 class Liveness:

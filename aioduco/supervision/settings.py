@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 from aioduco.errors import ParameterError
 from aioduco.models.controller_clock import Clock
 from aioduco.models.ranges import FILE, STATE_RATE, TIMEOUT
-from aioduco.models.rules import Integer, Number
+from aioduco.models.rules import LONGEST, Integer, Number
 from aioduco.models.trace import guarded
 from aioduco.models.words import one_of
 from aioduco.supervision.task import OnCancel
@@ -28,6 +28,9 @@ _GRACE = 1.0
 _SOURCE = "this package"
 _POOL_SIZE = Integer(1, 64, source=_SOURCE)
 _HEARTBEAT = Number(0.2, 60.0, "s", source="1.3.1")
+_STALL = Number(0.05, LONGEST, "s", source=_SOURCE)
+_LAG = Number(0.01, LONGEST, "s", source=_SOURCE)
+_LAG.expected += ", or None for no warnings"
 _HEARTBEAT.expected += ", or None for no heartbeat"
 
 
@@ -93,7 +96,7 @@ class RobotSettings:
     connect_timeout: float = field(metadata=_within(TIMEOUT))
     pool_size: int = field(metadata=_within(_POOL_SIZE))
     heartbeat: float | None = field(metadata=_within(_HEARTBEAT, off=True))
-    loop_stall_limit: float = field(metadata=_within(TIMEOUT))
+    loop_stall_limit: float = field(metadata=_within(_STALL))
     on_cancel: OnCancel
     stop_timeout: float = field(metadata=_within(TIMEOUT))
     standstill_timeout: float = field(metadata=_within(TIMEOUT))
@@ -101,7 +104,7 @@ class RobotSettings:
     closing_steps: ClosingSteps | None
     guard: GuardKind | None
     state_rate: float = field(metadata=_within(STATE_RATE))
-    lag_limit: float | None = field(metadata=_within(TIMEOUT, off=True))
+    lag_limit: float | None = field(metadata=_within(_LAG, off=True))
     trace: Trace | None
     record: str | PathLike[str] | None
     clock: Clock

@@ -6604,8 +6604,8 @@ def connect(
         heartbeat: seconds without a heartbeat of the robot's thread after which the controller
             stops the arm, 0.2 to 60; None for no heartbeat: a lost connection then stops
             nothing, and only a guard stops the arm of a program that hangs or is killed.
-        loop_stall_limit: seconds for which the robot's thread may fail to run. After that the
-            program counts as hung, and the heartbeat is withheld.
+        loop_stall_limit: seconds for which the robot's thread may fail to run, from 0.05. After
+            that the program counts as hung, and the heartbeat is withheld.
         on_cancel: what happens to the arm when a wait for a motion is interrupted: "stop",
             "pause", or "detach" (it moves on).
         stop_timeout: seconds within which the controller must accept a stop.
@@ -6620,7 +6620,7 @@ def connect(
             of the program.
         state_rate: samples of the state per second, once `robot.feed` is used, up to 1000 [Hz].
         lag_limit: seconds for which the robot's thread may be blocked before a warning names the
-            blocking line; None for no warnings.
+            blocking line, from 0.01; None for no warnings.
         trace: a hook that is called on the robot's threads for each call and each connection, see
             `aioduco.models.trace`.
         record: a file, such as "run.mcap", to which the robot is recorded from its opening to its

@@ -26,6 +26,8 @@ from client.bench import HOME, Bench
         ({"heartbeat": 61.0}, "heartbeat"),
         ({"heartbeat": False}, "heartbeat"),
         ({"loop_stall_limit": math.inf}, "loop_stall_limit"),
+        ({"loop_stall_limit": 0.001}, "loop_stall_limit"),
+        ({"lag_limit": 0.001}, "lag_limit"),
         ({"on_cancel": "go on"}, "on_cancel"),
         ({"trace": "log.txt"}, "trace"),
     ],

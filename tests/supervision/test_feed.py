@@ -26,7 +26,7 @@ from aioduco._wire.owner_loop import OwnerLoop
 from aioduco.errors import FeedOverflow, RobotStateError
 from aioduco.supervision import events as changes
 from aioduco.supervision.events import Event
-from aioduco.supervision.loop_watchdog import Liveness, LoopWatchdog, blocking_calls
+from aioduco.supervision.loop_watchdog import Liveness, LoopWatchdog, blocking_calls, keep_alives
 from aioduco.supervision.state_feed import Policy, Subscription
 from aioduco.testing import DropReply, FaultProxy, eventually, eventually_async
 
@@ -325,6 +325,12 @@ def blocks_told(caplog: pytest.LogCaptureFixture) -> list[float]:
 
 def block_the_loop(seconds: float) -> None:
     time.sleep(seconds)
+
+
+@pytest.mark.parametrize(("lag", "period"), [(None, 0.1), (0.25, 0.1), (0.05, 0.02)])
+def test_a_loop_that_runs_is_never_late_by_its_lag_limit(lag: float | None, period: float) -> None:
+    """With one every 0.1 s, a limit of 0.05 s gave ten warnings a second of a busy computer."""
+    assert keep_alives(1.0, lag_limit=lag).period == pytest.approx(period)
 
 
 async def test_the_time_until_a_robot_is_open_is_not_taken_for_a_blocked_loop(
