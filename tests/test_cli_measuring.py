@@ -127,6 +127,19 @@ def test_nothing_is_written_without_a_yes(arm: Simulator, typed: Any) -> None:
         assert robot.frames.get_tcp_offset() == Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
+def test_touches_end_when_the_arm_was_stopped(arm: Simulator, typed: Any) -> None:
+    """It went on, with an arm that no hand could move."""
+
+    def stopped() -> str:
+        with aioduco.sync.connect(arm.host, arm.port, heartbeat=None) as other:
+            other.stop()
+        return ""
+
+    typed([lambda: "", stopped])
+    ended = invoke("tool", "touch", at(arm), "--yes")
+    assert (ended.exit_code, "no hand guides it any more" in ended.stderr) == (1, True)
+
+
 def test_touches_from_one_side_are_refused(arm: Simulator, typed: Any) -> None:
     typed([*[lambda: ""] * 6, lambda: "q"])
     ended = invoke("tool", "touch", at(arm), "--yes")

@@ -144,20 +144,32 @@ def require_same_state(robot: Robot, state: RobotState, safety: SafetyState) -> 
         )
 
 
-def require_guided(robot: Robot) -> None:
-    """End the command if the arm, which a hand guides, was stopped or switched off meanwhile.
+def guiding(robot: Robot) -> Callable[[], None]:
+    """A check that ends the command if an arm that a hand guides was stopped, or switched off.
 
-    A stop by another program is not seen: the state of the program does not tell hand guiding.
+    A stop by another program is seen if the controller says at the beginning, while the arm stands,
+    that something runs: it need not say that of hand guiding.
 
     Args:
-        robot: the robot.
+        robot: the robot, whose hand guiding has just begun.
     """
-    from aioduco.models.enums import RobotState, SafetyState  # noqa: PLC0415 - quick help
+    from aioduco.models.enums import ProgramState, RobotState, SafetyState  # noqa: PLC0415 - quick help
 
-    now = robot.state.get_robot_state()
-    unsafe = now.safety not in (SafetyState.RUN, SafetyState.REDUCE, SafetyState.MODEL)
-    if now.robot is not RobotState.ENABLE or unsafe:
-        fail(f"the arm is stopped, and no hand guides it any more: {now}; nothing more was stored")
+    def runs(states: RobotStates) -> bool:
+        return states.program in (ProgramState.RUNNING, ProgramState.TASK_RUNNING)
+
+    said = runs(robot.state.get_robot_state())
+
+    def check() -> None:
+        now = robot.state.get_robot_state()
+        unsafe = now.safety not in (SafetyState.RUN, SafetyState.REDUCE, SafetyState.MODEL)
+        if now.robot is not RobotState.ENABLE or unsafe or (said and not runs(now)):
+            fail(
+                f"the arm is stopped, and no hand guides it any more: {now}; nothing more was "
+                "stored"
+            )
+
+    return check
 
 
 def require_still_at(robot: Robot, joints: JointsLike, pose: Pose | None = None) -> None:

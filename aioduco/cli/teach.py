@@ -15,13 +15,15 @@ from aioduco.cli.options import Guide, refuse_unused, require_writable
 from aioduco.cli.output import say
 from aioduco.cli.sessions import (
     guided_session,
+    guiding,
     observing_session,
     reported_name,
-    require_guided,
 )
 from aioduco.cli.status import degrees, pose_line
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from aioduco import Cell
     from aioduco.recording.playback import WaypointFile
     from aioduco.sync import Robot
@@ -73,7 +75,7 @@ def teach(
             return
         states = robot.state.get_robot_state()
     with guided_session(address, states, yes=yes) as robot:
-        _keep(robot, store, guided=True)
+        _keep(robot, store, guiding(robot))
     say("hand guiding has ended, the arm stands")
 
 
@@ -155,8 +157,10 @@ def _file(robot: Robot, path: Path) -> _Waypoints:
     return _Waypoints(kept, path)
 
 
-def _keep(robot: Robot, store: _Waypoints | _CellPoints, *, guided: bool = False) -> None:
-    """Store the place of the arm for each typed line, while it is guided."""
+def _keep(
+    robot: Robot, store: _Waypoints | _CellPoints, check: Callable[[], None] = lambda: None
+) -> None:
+    """Store the place of the arm for each typed line that passes a check."""
     from aioduco.errors import (  # noqa: PLC0415 - quick help
         CellFileError,
         ParameterError,
@@ -171,8 +175,7 @@ def _keep(robot: Robot, store: _Waypoints | _CellPoints, *, guided: bool = False
             return
         if line == _END:
             return
-        if guided:
-            require_guided(robot)
+        check()
         if name := line or store.usual:
             try:
                 say(f"{name}: {store.store(name, robot)}")

@@ -13,10 +13,12 @@ from aioduco.cli.exit_codes import ended_by_errors, fail, say_error
 from aioduco.cli.options import Guide, Json, Yes, refuse_unused
 from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import ask, typed_line
-from aioduco.cli.sessions import guided_session, observing_session
+from aioduco.cli.sessions import guided_session, guiding, observing_session
 from aioduco.cli.status import pose_line
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from aioduco.kinematics import ToolAxes, ToolTip
     from aioduco.models.load import Load
     from aioduco.models.pose import Pose
@@ -82,7 +84,8 @@ def touch(
             states = robot.state.get_robot_state()
         session = guided_session(address, states, yes=yes)
     with session as robot:
-        tip, frame = _measured(robot, touches, axes=axes)
+        check = guiding(robot) if guide else lambda: None  # else another program leads the arm
+        tip, frame = _measured(robot, touches, check, axes=axes)
     with observing_session(address) as robot:
         offset = _offset(robot, tip, frame)
         if json:
@@ -112,13 +115,20 @@ def _check_tool(name: str | None, load: tuple[float, ...] | None) -> None:
         ranges.PAYLOAD("load", load)
 
 
-def _measured(robot: Robot, least: int, *, axes: bool) -> tuple[ToolTip, ToolAxes | None]:
-    """Read the flange's poses at the touches, as a person says."""
-    tip = _touched(robot, least)
-    return tip, _axes(robot, tip) if axes else None
+def _measured(
+    robot: Robot, least: int, check: Callable[[], None], *, axes: bool
+) -> tuple[ToolTip, ToolAxes | None]:
+    """Read the flange's poses at the touches, as a person says, if a check before each passes."""
+
+    def flange() -> Pose:
+        check()
+        return robot.state.get_flange_pose()
+
+    tip = _touched(flange, least)
+    return tip, _axes(flange, tip) if axes else None
 
 
-def _touched(robot: Robot, least: int) -> ToolTip:
+def _touched(flange: Callable[[], Pose], least: int) -> ToolTip:
     from aioduco.errors import CalibrationError  # noqa: PLC0415 - quick help
     from aioduco.kinematics import calibrate_tool_tip  # noqa: PLC0415
 
@@ -136,7 +146,7 @@ def _touched(robot: Robot, least: int) -> ToolTip:
             say("Enter, d or q?", error=True)
             continue
         else:
-            poses.append(robot.state.get_flange_pose())
+            poses.append(flange())
         tip = None
         if len(poses) >= _MIN_TOUCHES:
             try:
@@ -146,16 +156,16 @@ def _touched(robot: Robot, least: int) -> ToolTip:
                 say_error(error)
 
 
-def _axes(robot: Robot, tip: ToolTip) -> ToolAxes:
+def _axes(flange: Callable[[], Pose], tip: ToolTip) -> ToolAxes:
     from aioduco.errors import CalibrationError  # noqa: PLC0415 - quick help
     from aioduco.kinematics import calibrate_tool_axes  # noqa: PLC0415
 
     while True:
         _line("draw the tool straight back by 50 mm or more, along its own axis: Enter: ")
-        ahead = robot.state.get_flange_pose()
+        ahead = flange()
         _line("shift it aside, so that the point is on the side of its x axis: Enter: ")
         try:
-            return calibrate_tool_axes(tip, ahead, robot.state.get_flange_pose())
+            return calibrate_tool_axes(tip, ahead, flange())
         except CalibrationError as error:
             say_error(error)
 

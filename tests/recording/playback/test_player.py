@@ -598,9 +598,20 @@ def test_play_leads_a_simulated_arm_along_a_recording_and_records_it(tmp_path: P
     assert "3 waypoints were reached" in done.stdout
 
 
+def press_the_button(sim: Simulator) -> None:
+    sim.emergency_stop()
+    sim.wait_until(lambda: sim.view.emergency_stop, timeout=60)
+
+
+def stop_by_another_program(sim: Simulator) -> None:
+    with aioduco.sync.connect(sim.host, sim.port, heartbeat=None) as other:
+        other.stop()
+
+
 @pytest.mark.slow
-def test_teach_ends_when_the_arm_was_stopped_by_its_button(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("stop", [press_the_button, stop_by_another_program])
+def test_teach_ends_when_the_arm_was_stopped(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stop: Callable[[Simulator], None]
 ) -> None:
     """It went on, and stored the place of an arm that no hand could move."""
     file = tmp_path / "points.toml"
@@ -608,8 +619,7 @@ def test_teach_ends_when_the_arm_was_stopped_by_its_button(
 
         def person() -> Iterator[str]:
             yield "before"
-            sim.emergency_stop()
-            sim.wait_until(lambda: sim.view.emergency_stop, timeout=60)
+            stop(sim)
             yield "after"
 
         hands = person()
