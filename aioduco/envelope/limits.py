@@ -246,7 +246,8 @@ class ToolSpeed(EnvelopeLimit):
 
     Attributes:
         most: the speed, up to 20 [m/s]. With the action "slow", a faster motion is sent at a
-            lower speed.
+            lower speed if its path is known; another, such as a spline, is stopped when it is
+            faster.
     """
 
     most: float
