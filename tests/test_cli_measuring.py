@@ -127,16 +127,19 @@ def test_nothing_is_written_without_a_yes(arm: Simulator, typed: Any) -> None:
         assert robot.frames.get_tcp_offset() == Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-def test_touches_end_when_the_arm_was_stopped(arm: Simulator, typed: Any) -> None:
-    """It went on, with an arm that no hand could move."""
+@pytest.mark.parametrize("words", [("tool", "touch"), ("payload",)])
+def test_they_end_when_the_arm_was_stopped(
+    arm: Simulator, typed: Any, words: tuple[str, ...]
+) -> None:
+    """They went on, with an arm that no hand could move; payload let it give way anew."""
 
     def stopped() -> str:
         with aioduco.sync.connect(arm.host, arm.port, heartbeat=None) as other:
             other.stop()
         return ""
 
-    typed([lambda: "", stopped])
-    ended = invoke("tool", "touch", at(arm), "--yes")
+    typed([*[lambda: ""] * 2, stopped])
+    ended = invoke(*words, at(arm), "--yes")
     assert (ended.exit_code, "no hand guides it any more" in ended.stderr) == (1, True)
 
 

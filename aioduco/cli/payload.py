@@ -18,6 +18,7 @@ from aioduco.cli.output import print_json, say
 from aioduco.cli.questions import GIVES_WAY, SAFE, ask, typed_line
 from aioduco.cli.sessions import (
     control_session,
+    guiding,
     observing_session,
     require_reported_arm,
     require_same_state,
@@ -238,7 +239,10 @@ def _guided(robot: Robot) -> Iterator[Joints]:
     number = 1
     while True:
         with robot.motion.teach_mode.start():
+            check = guiding(robot)
             word = typed_line(f"guide the arm to pose {number}: Enter, q ends: ")
+            if word == "":
+                check()
         if word in (None, "q"):
             return
         if word:
