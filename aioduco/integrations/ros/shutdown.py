@@ -7,8 +7,13 @@ from typing import TYPE_CHECKING
 
 import anyio
 
+from aioduco._process.reporting import BackgroundLogger
+
 if TYPE_CHECKING:
     from anyio import CancelScope
+
+
+_log = BackgroundLogger(__name__)
 
 
 async def cancel_on_signal(scope: CancelScope) -> None:
@@ -17,6 +22,11 @@ async def cancel_on_signal(scope: CancelScope) -> None:
     if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
         ends.append(signal.SIGHUP)  # not under nohup
     with anyio.open_signal_receiver(*ends) as signals:
-        async for _ in signals:
+        async for number in signals:
+            _log.info(
+                "%s: the driver ends as soon as the arm is known to stand. If the controller does "
+                "not answer, that is given up after 20 s, or 90 s if a motion was on its way to it",
+                signal.Signals(number).name,
+            )
             scope.cancel()
             return

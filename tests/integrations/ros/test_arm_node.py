@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import signal
 import time
 from collections import Counter
 from collections.abc import AsyncIterator, Iterator
@@ -26,6 +27,7 @@ from aioduco.errors import ConnectionLost, ParameterError
 from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings, arm_node
 from aioduco.integrations.ros.arm_readings import DiagnosisLevel, diagnosis, placed_frames
 from aioduco.integrations.ros.arm_services import ArmServices
+from aioduco.integrations.ros.shutdown import cancel_on_signal
 from aioduco.integrations.ros.trajectory_goals import (
     ErrorCode,
     GoalPoint,
@@ -67,6 +69,20 @@ async def settled(node: ArmNode, *clients: Client) -> None:
 async def moving(client: Client) -> None:
     """Until the arm is well on its way."""
     await eventually_async(lambda: client.seen and client.seen[-1].time > 0.3)
+
+
+async def test_an_end_by_a_signal_says_how_long_it_may_take(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    """With a controller that does not answer, nothing else said why the driver did not end."""
+    caplog.set_level("INFO", "aioduco")
+    usual = signal.getsignal(signal.SIGTERM)
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(cancel_on_signal, tasks.cancel_scope)
+        await eventually_async(lambda: signal.getsignal(signal.SIGTERM) is not usual)
+        signal.raise_signal(signal.SIGTERM)
+    reporter.flush()
+    assert "SIGTERM: the driver ends as soon as the arm is known to stand" in caplog.text
 
 
 @pytest.mark.slow
