@@ -380,7 +380,7 @@ class Generator:
         missing: list[ast.expr | None] = [None] * (len(positional) - len(args.defaults))
         for arg, value in zip(positional, missing + list(args.defaults), strict=True):
             declared.append(declare(arg, value))
-            sent.append("robot._made" if declared[-1] == "robot: Robot" else arg.arg)
+            sent.append("made_of(robot)" if declared[-1] == "robot: Robot" else arg.arg)
         if args.vararg is not None:
             declared.append(declare(args.vararg, None, "*"))
             name = args.vararg.arg
@@ -602,7 +602,7 @@ class Generator:
             "from aioduco import robot as aio_robot",
             "from aioduco.models.names import ManualNames",
             "from aioduco.sync._blocking import Blocking",
-            "from aioduco.sync._robot import RobotLifecycle",
+            "from aioduco.sync._robot import RobotLifecycle, made_of",
             "from aioduco.sync._runner import Runner",
         }
         title = "The robot for programs that wait, its sections, and what takes a robot."

@@ -11,7 +11,7 @@ from aioduco import robot as aio_robot
 from aioduco.models.names import ManualNames
 from aioduco.sync._blocking import Blocking
 from aioduco.sync._generated_objects import Events, Feed, Publication, Recording, Twin
-from aioduco.sync._robot import RobotLifecycle
+from aioduco.sync._robot import RobotLifecycle, made_of
 from aioduco.sync._runner import Runner
 from aioduco.sync._streams import OffsetStream, Stream, TrackStream
 from aioduco.sync._tasks import MotionCommand, MotionPath, Task, awaitables, moves
@@ -6704,7 +6704,7 @@ def play(
     from aioduco.recording import playback  # noqa: PLC0415  # only when it is used
 
     work = playback.play(
-        robot._made, path, approach=approach, outputs=outputs, arm=arm, through=through,
+        made_of(robot), path, approach=approach, outputs=outputs, arm=arm, through=through,
         tolerances=tolerances, feedback=feedback, options=options
     )
     return robot._runner.call(work)
@@ -6730,7 +6730,7 @@ def check_path_on(
     """
     from aioduco.recording import playback  # noqa: PLC0415  # only when it is used
 
-    work = playback.check_path_on(robot._made, path, arm=arm, envelope=envelope)
+    work = playback.check_path_on(made_of(robot), path, arm=arm, envelope=envelope)
     return robot._runner.call(work)
 
 
@@ -6752,7 +6752,7 @@ def check_waypoints_on(
     """
     from aioduco.recording import playback  # noqa: PLC0415  # only when it is used
 
-    work = playback.check_waypoints_on(robot._made, waypoints, arm=arm, envelope=envelope)
+    work = playback.check_waypoints_on(made_of(robot), waypoints, arm=arm, envelope=envelope)
     return robot._runner.call(work)
 
 
@@ -6783,7 +6783,7 @@ def run_waypoints(
     """
     from aioduco.recording import playback  # noqa: PLC0415  # only when it is used
 
-    work = playback.run_waypoints(robot._made, waypoints, arm=arm, speed=speed)
+    work = playback.run_waypoints(made_of(robot), waypoints, arm=arm, speed=speed)
     return robot._runner.call(work)
 
 
@@ -6835,7 +6835,7 @@ def teleoperate(
     from aioduco.devices import teleoperation  # noqa: PLC0415  # only when it is used
 
     work = teleoperation.teleoperate(
-        robot._made, device, scale, frame=frame, wobj=wobj, joints=joints,
+        made_of(robot), device, scale, frame=frame, wobj=wobj, joints=joints,
         acceleration=acceleration, turn_acceleration=turn_acceleration, hold=hold, options=options,
         on_reading=on_reading
     )

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Concatenate, ParamSpec, Self
 
 from aioduco.errors import ParameterError
 from aioduco.sync._generated_objects import GripperCalls
+from aioduco.sync._robot import made_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -48,7 +49,8 @@ class Gripper(GripperCalls):
         if not callable(given):
             made = "a driver's class, or what makes the driver of a robot, such as Robotiq.at_tool"
             raise ParameterError("make", given, made)
-        super().__init__(robot._runner, make(robot._made, *args, **kwargs))
+        driver = make(made_of(robot), *args, **kwargs)
+        super().__init__(robot._runner, driver)
 
     def start(self) -> Self:
         """Read the gripper's state, and keep polling it. Nothing moves.

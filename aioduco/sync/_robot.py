@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 from aioduco.models.ranges import WAIT
 from aioduco.sync._blocking import Block
@@ -58,6 +58,14 @@ class RobotLifecycle(Block):
         async def __aexit__(self, *_: object) -> None:
             """Do nothing: Python looks this method up before it calls `__aenter__`."""
 
+        @property
+        def _permits(self) -> NoReturn:  # what functions that await a robot ask for first
+            raise TypeError(
+                "this robot is for programs that do not await: write "
+                "`aioduco.sync.teleoperate(robot, …)`, and so for `play` and `run_waypoints`. "
+                "Nothing was sent"
+            )
+
     def _enter(self) -> None:
         self.open()
 
@@ -74,3 +82,14 @@ class RobotLifecycle(Block):
             ParameterError: the duration is below 0.
         """
         self._runner.sleep(WAIT("seconds", seconds))
+
+
+def made_of(robot: RobotLifecycle) -> aio_robot.Robot:
+    """Return the robot that a blocking one stands for; one that is awaited is refused."""
+    given: object = robot
+    if not isinstance(given, RobotLifecycle):
+        raise TypeError(
+            f"robot is {given!r}, but must be one that `aioduco.sync.connect` made: in a program "
+            "that awaits, leave out `sync`. Nothing was sent"
+        )
+    return given._made

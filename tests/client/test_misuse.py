@@ -7,7 +7,7 @@ import contextlib
 import inspect
 import io
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
@@ -16,8 +16,11 @@ from for_each import for_each
 import aioduco
 import aioduco.sync
 from aioduco import MotionCarriedOut, Op, Outcome, ParameterError, UnitWarning, output
+from aioduco.devices.grippers import DigitalGripper, Robotiq, VacuumGripper
+from aioduco.devices.teleoperation import teleoperate
 from aioduco.kinematics import arm, models
 from aioduco.models.rules import FARTHEST, LONGEST_ARM
+from aioduco.recording.playback import play, run_waypoints
 from aioduco.testing import eventually_async
 from client.bench import HOME, POSE, Bench
 
@@ -203,6 +206,43 @@ async def test_a_robot_that_is_opened_in_the_wrong_way() -> None:
     with pytest.raises(TypeError, match=r"write `with aioduco\.sync\.connect"):
         async with waiting:
             raise AssertionError("entered")
+
+
+_NONE: Any = None
+#: what takes a robot, by its name in a program that awaits, and in one that does not
+_TAKING: dict[str, tuple[Callable[[Any], Any], Callable[[Any], Any]]] = {
+    "gripper at the tool": (Robotiq.at_tool, lambda r: aioduco.sync.Gripper(r, Robotiq.at_tool)),
+    "gripper on outputs": (
+        lambda r: DigitalGripper(r, close=1),
+        lambda r: aioduco.sync.Gripper(r, DigitalGripper, close=1),
+    ),
+    "suction cup": (
+        lambda r: VacuumGripper(r, suction=1),
+        lambda r: aioduco.sync.Gripper(r, VacuumGripper, suction=1),
+    ),
+    "teleoperation": (
+        lambda r: teleoperate(r, _NONE),
+        lambda r: aioduco.sync.teleoperate(r, _NONE),
+    ),
+    "recorded path": (lambda r: play(r, _NONE), lambda r: aioduco.sync.play(r, _NONE)),
+    "waypoints": (
+        lambda r: run_waypoints(r, _NONE),
+        lambda r: aioduco.sync.run_waypoints(r, _NONE),
+    ),
+}
+
+
+@for_each("taking", _TAKING)
+async def test_a_robot_of_the_other_kind(
+    taking: str, robot: aioduco.Robot, waiting: aioduco.sync.Robot, bench: Bench
+) -> None:
+    with_await, without = _TAKING[taking]
+    wrong = (TypeError, ParameterError)
+    with pytest.raises(wrong, match=r"aioduco\.sync\.(Gripper|teleoperate)\(robot"):
+        await with_await(waiting)
+    with pytest.raises(TypeError, match=r"`aioduco\.sync\.connect` made"):
+        without(robot)
+    assert bench.commands == []
 
 
 @for_each("heartbeat", [1.0, None])

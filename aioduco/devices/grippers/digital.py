@@ -6,7 +6,7 @@ import time
 from typing import TYPE_CHECKING
 
 from aioduco._process import trial
-from aioduco.devices.grippers.gripper import GripperState, PolledGripper
+from aioduco.devices.grippers.gripper import GripperState, PolledGripper, awaited
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.gripper_models import GripperModel, gripper_model
@@ -43,7 +43,7 @@ class OutputGripper(PolledGripper):
         for name, value in signals.items():
             if value is not None:
                 signal(name, value)
-        self._robot = robot
+        self._robot = awaited(robot)
         self._sent_at = 0.0
 
     async def _set(self, output: int | str, value: bool) -> None:

@@ -39,6 +39,8 @@ from aioduco.supervision.concurrency import BackgroundTasks, Silence, every
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
+    from aioduco.robot import Robot
+
 
 _log = BackgroundLogger(__name__)
 
@@ -438,6 +440,14 @@ class PolledGripper(Uncopied, ABC):
             if self._lost or self._unknown:
                 scope.cancel()
                 return
+
+
+def awaited(robot: Robot) -> Robot:
+    """Return a driver's robot; one of `aioduco.sync`, whose calls are not awaited, is refused."""
+    if hasattr(robot, "close"):
+        made = "one of aioduco.connect; with one of aioduco.sync, aioduco.sync.Gripper(robot, …)"
+        raise ParameterError("robot", robot, f"{made} makes the driver")
+    return robot
 
 
 def _checked(model: GripperModel) -> GripperModel:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar, Self
 import anyio
 
 from aioduco.devices.bus import ModbusRtu, Port
-from aioduco.devices.grippers.gripper import PolledGripper
+from aioduco.devices.grippers.gripper import PolledGripper, awaited
 from aioduco.errors import GripperTimeout, ParameterError
 from aioduco.models.gripper_models import GRIPPERS, GripperModel, gripper_model
 from aioduco.models.words import one_of
@@ -96,9 +96,9 @@ class ModbusGripper(PolledGripper):
                 twice `answer_timeout`.
 
         Raises:
-            ParameterError: an argument is out of range.
+            ParameterError: an argument is out of range, or the robot is one of `aioduco.sync`.
         """
         number = cls.usual_unit if unit is None else unit
-        modbus = ModbusRtu(Port.tool(robot.bus), number, timeout=answer_timeout)
+        modbus = ModbusRtu(Port.tool(awaited(robot).bus), number, timeout=answer_timeout)
         limit = 2 * answer_timeout if max_age is None else max_age
         return cls(modbus, model, timeout=timeout, max_age=limit)
