@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import anyio
@@ -176,9 +177,22 @@ class Task(Uncopied):
         self._ended = anyio.Event()
         self._changed = anyio.Event()
         self._states = [self.life.state]
+        #: whether its outcome was asked for
+        self._asked = False
+
+    def __del__(self) -> None:
+        untold = not getattr(self, "_asked", True) and self.motion
+        if untold and (outcome := self.life.outcome) in _FAILURES:
+            warnings.warn(
+                f"{task_error(self.name, self.id, outcome, self._errors)}; nothing has asked how "
+                "it ended: await the task, or read its outcome",
+                RuntimeWarning,
+                source=self,
+                stacklevel=2,
+            )
 
     def __repr__(self) -> str:
-        end = f" {self.outcome.value}" if self.outcome else ""
+        end = f" {self.life.outcome.value}" if self.life.outcome and self.done else ""
         return f"<Task {self.id} {self.name} {self.state.name}{end}>"
 
     @property
@@ -193,6 +207,7 @@ class Task(Uncopied):
     @property
     def outcome(self) -> Outcome | None:
         """How the task ended; None while it is live."""
+        self._asked = self._asked or self.done
         return self.life.outcome if self.done else None
 
     @property
@@ -281,6 +296,7 @@ class Task(Uncopied):
         if not self.done:
             self._control.check_loop("wait")
         await self._ended.wait()
+        self._asked = True
         assert self.life.outcome is not None
         return self.life.outcome
 
@@ -312,6 +328,7 @@ class Task(Uncopied):
                 seen += 1
                 yield state
             if self.done:
+                self._asked = True
                 return
             await self._changed.wait()
 
@@ -442,6 +459,9 @@ _MEANING: dict[Outcome, tuple[type[TaskError], str]] = {
         ),
     ),
 }
+
+#: outcomes by which the controller says that it did not carry out a motion
+_FAILURES = {Outcome.FAILED, Outcome.ILLEGAL, Outcome.PARAMETER_MISMATCH}
 
 
 def task_error(

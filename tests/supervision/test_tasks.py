@@ -70,6 +70,26 @@ async def test_each_bad_end_is_a_typed_error(
     assert "earlier" not in str(caught.value)
 
 
+@for_each("end", [TaskState.ERROR, TaskState.ILLEGAL, TaskState.PARAMETER_MISMATCH])
+async def test_a_failure_that_nobody_asks_about_warns(end: TaskState, bench: Bench) -> None:
+    bench.ends = end
+
+    async def forget() -> int:
+        async with aioduco.connect(bench.host, bench.port) as robot:
+            task = await under_way(bench, robot)
+            bench.arrive()
+            await eventually_async(lambda: task.done)
+            return task.id
+
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        forgotten = await forget()
+        await eventually_async(lambda: gc.collect() >= 0 and bool(caught))
+    (said,) = (str(warning.message) for warning in caught)
+    assert said.startswith(f"movej2 (task {forgotten}) ")
+    assert said.endswith("; nothing has asked how it ended: await the task, or read its outcome")
+
+
 async def test_a_motion_that_the_controller_refuses(robot: aioduco.Robot, bench: Bench) -> None:
     bench.answer("movel", -1)
     with pytest.raises(aioduco.Refused, match=r"refused movel \(answer -1\)"):
