@@ -237,9 +237,13 @@ class Endpoint:
         if isinstance(error, socket.gaierror | UnicodeError):
             return ConnectError(self.host, self.port, f"unknown host ({error})")
         if isinstance(error, TimeoutError):
-            return ConnectError(self.host, self.port, "no answer in time")
+            said = "no answer in time; check the address, the cable and the firewall"
+            return ConnectError(self.host, self.port, said)
         number = error.errno if isinstance(error, OSError) else None
-        return ConnectError(self.host, self.port, os.strerror(number) if number else str(error))
+        said = os.strerror(number) if number else str(error)
+        if isinstance(error, ConnectionRefusedError):
+            said += "; nothing listens there: start the controller, or `aioduco sim`"
+        return ConnectError(self.host, self.port, said)
 
     def made(self, begin: float, addresses: list[Address]) -> None:
         """Record a connection that was made since `begin` [s]; from any thread."""

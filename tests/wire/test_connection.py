@@ -179,7 +179,7 @@ def test_a_refused_port() -> None:
         host, port = closed.getsockname()
     connection = Connection(Endpoint(host, port))
     with pytest.raises(
-        ConnectError, match=rf"cannot connect to {host}:{port}: .*refused"
+        ConnectError, match=rf"cannot connect to {host}:{port}: .*refused; .*start the controller"
     ) as raised:
         connection.open()
     assert raised.value.host == host
@@ -200,7 +200,7 @@ def test_a_controller_that_does_not_answer_the_handshake(limit: str) -> None:
     with black_hole() as (host, port):
         connection = Connection(Endpoint(host, port, SHORT if own else 100 * PATIENCE))
         begin = time.monotonic()
-        with pytest.raises(ConnectError, match="no answer in time"):
+        with pytest.raises(ConnectError, match="no answer in time; check the address"):
             connection.open(None if own else begin + SHORT)
         assert time.monotonic() - begin >= SHORT * 0.9
 
