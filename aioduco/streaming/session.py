@@ -224,6 +224,10 @@ class Session(OpenStream):
         if error is not None:
             raise error
 
+    def check_loop(self) -> None:
+        """Raise `WrongLoop` or `WrongProcess` unless the stream belongs to this event loop."""
+        self._owner_loop.require(self.name)
+
     def alive(self) -> Block:
         """The block of the worker, if set-points can be sent to it.
 

@@ -216,7 +216,7 @@ class Stream(Uncopied):
                 is further than that from the earlier ones; nothing was sent.
             StreamError: the stream has ended; the error says why.
         """
-        self._session.alive()  # in a forked child, where no loop runs, this says so
+        self._session.check_loop()
         await anyio.lowlevel.checkpoint()  # first: a chunk that was written is followed to its end
         ring = self._session.alive().ring
         points = self._checked_actions(actions, at)
@@ -301,7 +301,7 @@ class Stream(Uncopied):
         """
         if not hasattr(source, "__aiter__"):
             raise ParameterError("source", source, "an async iterator; an array goes to play()")
-        self._session.alive()
+        self._session.check_loop()
 
         # a task of its own: what the iterator keeps open between two set-points is none of ours
         async def feed() -> None:
@@ -414,7 +414,7 @@ class Stream(Uncopied):
     async def _feed(
         self, points: Iterable[tuple[float, ...]], ahead: int, extra: bytes = b""
     ) -> None:
-        self._session.alive()
+        self._session.check_loop()
         await anyio.lowlevel.checkpoint()  # first: a set-point that was written is followed
         ring = self._session.alive().ring
         for number, values in enumerate(points, 1):

@@ -313,6 +313,17 @@ async def test_of_two_tasks_that_wait_for_room_each_is_woken(controller: Control
         assert stream.state is StreamState.FOLLOWING
 
 
+async def test_sending_to_a_stream_that_has_ended_lets_others_run(controller: Controller) -> None:
+    """A program that goes on in spite of the error hung its event loop."""
+    async with controller.servo.joints(v=1.0, a=5.0, options=THREAD) as stream:
+        await stream.send(HERE)
+    others: list[None] = []
+    asyncio.get_running_loop().call_soon(others.append, None)
+    with pytest.raises(StreamClosed):
+        await stream.send(HERE)
+    assert others
+
+
 async def test_leaving_waits_until_the_arm_stands(controller: Controller) -> None:
     looks = itertools.count()
     async with controller.servo.joints(v=1.0, a=5.0, options=THREAD) as stream:
