@@ -12,6 +12,17 @@ if TYPE_CHECKING:
     from aioduco import robot as aio_robot
 
 
+class _Unawaited:
+    """What functions that await a robot ask first, in a robot whose calls are not awaited."""
+
+    @staticmethod
+    def from_now(name: str) -> NoReturn:
+        raise TypeError(
+            "this robot is for programs that do not await: write "
+            f"`aioduco.sync.{name}(robot, …)`. Nothing was sent"
+        )
+
+
 class RobotLifecycle(Block):
     """Opening and closing a robot, by `with` or by a call."""
 
@@ -58,13 +69,7 @@ class RobotLifecycle(Block):
         async def __aexit__(self, *_: object) -> None:
             """Do nothing: Python looks this method up before it calls `__aenter__`."""
 
-        @property
-        def _permits(self) -> NoReturn:  # what functions that await a robot ask for first
-            raise TypeError(
-                "this robot is for programs that do not await: write "
-                "`aioduco.sync.teleoperate(robot, …)`, and so for `play` and `run_waypoints`. "
-                "Nothing was sent"
-            )
+        _permits = _Unawaited()
 
     def _enter(self) -> None:
         self.open()
