@@ -410,12 +410,12 @@ def _pools(clock: ProgramClock) -> None:
             return submit(self, fn, *args, **options)
         work = _Offloaded(clock, fn, pools.setdefault(self, []), self._max_workers)
         try:
-            work.future = submit(self, work, *args, **options)
+            future = work.future = submit(self, work, *args, **options)
         except BaseException:
             work.over()
             raise
-        work.future.add_done_callback(work.over)
-        return work.future
+        future.add_done_callback(work.over)
+        return future
 
     def shut(self: Any, wait: bool = True, **options: Any) -> None:
         if wait and self in pools:
