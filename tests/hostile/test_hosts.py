@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import math
 import socket
-from collections.abc import Callable, Iterator
+import time
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from typing import Any
 
@@ -23,6 +24,7 @@ from wire.servers import PATIENCE, black_hole
 
 import aioduco
 import aioduco.sync
+from aioduco._wire.endpoint import Address, Route
 from aioduco.api.force_stream import ForceStream
 from aioduco.api.status_port import StatusPort
 from aioduco.cli.app import app
@@ -36,6 +38,27 @@ from aioduco.testing import FaultProxy, no_leaks
 
 #: shorter than what the silent side keeps silent, and not waited for where a test passes
 SHORT = 0.3
+
+
+@pytest.fixture
+def patient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is answered has time for it on a busy machine."""
+    monkeypatch.setattr(f"{__name__}.SHORT", PATIENCE)
+
+
+@pytest.fixture
+def hurried(patient: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first of several addresses has a moment, in place of its share of that time."""
+    tries = Route.tries
+
+    def first_is_hurried(
+        route: Route, found: Iterable[Address], deadline: float
+    ) -> Iterator[tuple[Address, float]]:
+        for number, (address, until) in enumerate(tries(route, found, deadline)):
+            first = number == 0 and route.address is None
+            yield address, time.monotonic() + 0.3 if first else until
+
+    monkeypatch.setattr(Route, "tries", first_is_hurried)
 
 
 def by_robot(host: str, port: int) -> None:
@@ -101,6 +124,7 @@ def test_a_name_that_hangs_ends_in_time_and_holds_up_no_end(
     assert all(each.name == "aioduco-resolve" and each.daemon for each in names.threads)
 
 
+@pytest.mark.usefixtures("patient")
 @pytest.mark.parametrize("way", WAYS)
 def test_a_name_that_nobody_knows(names: Names, way: Callable[[str, int], None]) -> None:
     with pytest.raises(ConnectError, match="unknown host"):
@@ -108,11 +132,11 @@ def test_a_name_that_nobody_knows(names: Names, way: Callable[[str, int], None])
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("hurried")
 @pytest.mark.parametrize("way", WAYS[:4])
 def test_a_first_address_that_does_not_answer(
-    names: Names, monkeypatch: pytest.MonkeyPatch, way: Callable[[str, int], None]
+    names: Names, way: Callable[[str, int], None]
 ) -> None:
-    monkeypatch.setattr(f"{__name__}.SHORT", 4.0)  # a busy machine answers the second one late
     with Bench() as bench, black_hole() as nobody:
         names.addresses = [nobody, (bench.host, bench.port)]
         way(NAME, 7003)
@@ -125,10 +149,11 @@ def silent() -> Iterator[socket.socket]:
         yield listener
 
 
+@pytest.mark.usefixtures("hurried")
 async def test_a_status_port_whose_first_address_does_not_answer(names: Names) -> None:
     with silent() as server, black_hole() as nobody:
         names.addresses = [nobody, server.getsockname()]
-        async with StatusPort(NAME, timeout=2 * SHORT) as port:
+        async with StatusPort(NAME, timeout=SHORT) as port:
             taken, _ = server.accept()
             taken.sendall(bytes(FRAME_SIZE))
             with suppress(aioduco.errors.ProtocolError):
@@ -165,7 +190,8 @@ def test_a_server_that_takes_connections_and_never_reads(way: Callable[[str, int
 
 async def test_a_status_port_that_sends_nothing() -> None:
     with silent() as server:
-        async with StatusPort(*server.getsockname(), timeout=SHORT) as port:
+        async with StatusPort(*server.getsockname(), timeout=PATIENCE) as port:
+            port.timeout = SHORT
             with pytest.raises(ConnectionLost, match="no frame within"):
                 await port.frame()
 
