@@ -22,7 +22,8 @@ STANDSTILL: Final = ("stop", "robotmoving", "get_noneblock_taskstate", "get_robo
 WAY_OUT: Final = (
     *STANDSTILL,
     *("abort", "pause", "resume", "rpc_heartbeat", "get_last_error", "get_actual_joints_position"),
-    *("end_teach_mode", "end_realtime_mode", "speed_stop", "stop_manual_move", "fc_stop"),
+    *("end_teach_mode", "speed_stop", "stop_manual_move", "fc_stop"),
+    *("end_realtime_mode", "clear_realtime_data_queue"),
 )
 
 

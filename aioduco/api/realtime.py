@@ -34,7 +34,8 @@ class Realtime(Section, RealtimeStreams):
     arm's position, start the mode, and put in more points before the queue is empty. The controller
     takes a point each cycle, so a program that calls function by function cannot keep up for long.
 
-    While the mode is on, leaving the robot's block stops the arm and ends the mode; so does a stop.
+    While the mode is on, leaving the robot's block stops the arm, ends the mode and empties the
+    queue; so does a stop.
     """
 
     def __init__(self, supervisor: Supervisor, endpoint: StreamEndpoint) -> None:

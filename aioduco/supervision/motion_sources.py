@@ -48,6 +48,8 @@ ModeEnding: TypeAlias = "tuple[str, tuple[bool, ...]]"
 
 #: seconds within which a mode must be left after a stop
 _LEAVE_LIMIT = 0.5
+#: ends realtime mode, and empties its queue: who starts it again would begin with what is left
+_REALTIME = ("end_realtime_mode", "clear_realtime_data_queue")
 #: ends the "mode" in which points of this program are in the track pool
 TRACK_POOL = "trackClearQueue"
 
@@ -204,6 +206,8 @@ class Modes:
         answer = await self._channel.control(name, args, _LEAVE_LIMIT)
         if name == TRACK_POOL and answer != TaskState.FINISHED:
             raise Refused(name, answer, "the points of this program may still be in the pool")
+        if name == _REALTIME[0]:
+            await self._channel.control(_REALTIME[1], (), _LEAVE_LIMIT)
 
     async def end_force_control(
         self, timeout: float, follow: Callable[[str, int, float], Awaitable[object]]

@@ -183,9 +183,13 @@ async def test_a_replay_with_an_id_that_fails_says_what_the_controller_lists(
 # -- realtime control ------------------------------------------------------------------------------
 
 
+#: how a stop ends the mode: the next start does not begin with the points that are left
+ENDED = ["end_realtime_mode", "clear_realtime_data_queue"]
+
+
 @pytest.fixture
 def realtime(desk: Desk) -> Desk:
-    for name in ("start_realtime_mode", "end_realtime_mode", "realtime_data_enqueue"):
+    for name in ("start_realtime_mode", *ENDED, "realtime_data_enqueue"):
         desk.answer(name, 4)
     return desk
 
@@ -195,15 +199,15 @@ async def test_realtime_mode_is_ended_when_the_robot_is_left(realtime: Desk) -> 
         await robot.realtime.realtime_data_enqueue([RealtimePoint.joint_position(HOME)])
         await robot.realtime.start_realtime_mode(RealtimeMode.JOINT_POSITION)
         assert realtime.received("start_realtime_mode")[0].args == (0, 100.0, 0.02)
-    assert realtime.commands[2:] == ["stop", "end_realtime_mode", "stop"]
+    assert realtime.commands[2:] == ["stop", *ENDED, "stop"]
 
 
 async def test_realtime_mode_is_ended_by_a_stop(robot: aioduco.Robot, realtime: Desk) -> None:
     await robot.realtime.start_realtime_mode(RealtimeMode.TWIST)
     await robot.stop()
-    assert realtime.commands == ["start_realtime_mode", "stop", "end_realtime_mode", "stop"]
+    assert realtime.commands == ["start_realtime_mode", "stop", *ENDED, "stop"]
     await robot.aclose()
-    assert len(realtime.commands) == 4
+    assert len(realtime.commands) == 5
 
 
 async def test_realtime_mode_that_was_ended_leaves_nothing_to_end(
@@ -229,7 +233,7 @@ async def test_realtime_mode_that_may_be_on_is_ended(robot: aioduco.Robot, realt
     realtime.answer("start_realtime_mode", 1)
     with pytest.raises(aioduco.OutcomeUnknown):
         await robot.realtime.start_realtime_mode(RealtimeMode.TWIST)
-    assert realtime.commands == ["start_realtime_mode", "stop", "end_realtime_mode", "stop"]
+    assert realtime.commands == ["start_realtime_mode", "stop", *ENDED, "stop"]
 
 
 async def test_cancelling_the_start_of_realtime_mode_stops_the_arm(
@@ -263,7 +267,7 @@ async def test_realtime_mode_that_somebody_has_paused_becomes_a_stop(
     realtime.states[1] = ProgramState.PAUSED
     with pytest.raises(aioduco.TaskStopped, match="paused"):
         await robot.realtime.end_realtime_mode()
-    assert realtime.commands[1:] == ["stop", "end_realtime_mode", "stop"]
+    assert realtime.commands[1:] == ["stop", *ENDED, "stop"]
 
 
 async def test_a_mode_that_is_not_entered_says_why(robot: aioduco.Robot, realtime: Desk) -> None:

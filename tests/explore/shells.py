@@ -465,6 +465,8 @@ class Run(ArmWorld):
                 self.say("the mode is ended")
                 controller.mode = None
                 return 4
+            case "clear_realtime_data_queue":
+                return 4
             case "robotmoving":
                 return controller.moving
             case "get_noneblock_taskstate":
