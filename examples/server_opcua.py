@@ -38,15 +38,16 @@ async def served(robot: aioduco.Robot, endpoint: str) -> AsyncIterator[Server]:
     joints = await arm.add_variable(space, "Joints", [0.0] * 6)
     state = await arm.add_variable(space, "State", "")
     moving = await arm.add_variable(space, "Moving", False)
-    refused = await arm.add_variable(space, "Refused", "")  # why the last motion was; else empty
+    # why the last motion that ended did not get there; empty if it did
+    failed = await arm.add_variable(space, "Failed", "")
 
     async def carry_out(start: Coroutine[Any, Any, aioduco.Task]) -> None:
         why = ""
         try:
-            await start
+            await (await start)
         except aioduco.DucoError as error:
             why = str(error)
-        await refused.write_value(why)
+        await failed.write_value(why)
 
     @uamethod
     async def move(_: Any, angles: list[float], speed: float) -> str:
@@ -75,6 +76,8 @@ async def served(robot: aioduco.Robot, endpoint: str) -> AsyncIterator[Server]:
                 await moving.write_value(bool(robot.tasks))
 
     async with server, anyio.create_task_group() as tasks:
+        # making the server holds the event loop, on a busy computer for as long as a program hangs
+        await robot.rearm_heartbeat()
         tasks.start_soon(follow)
         yield server
         tasks.cancel_scope.cancel()

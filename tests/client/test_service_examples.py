@@ -122,6 +122,12 @@ def test_a_client_that_never_ends_its_request_does_not_keep_the_arm_moving(sim: 
             assert not sim.view.moving
 
 
+async def says(variable: Any, text: str) -> None:
+    """Until a variable of the server has a text with this in it."""
+    while not (value := await variable.read_value()) or text not in value:  # noqa: ASYNC110 - only asking tells
+        await asyncio.sleep(0)
+
+
 def opc_ua_client(endpoint: str) -> Any:
     """A client that waits for a busy machine.
 
@@ -151,6 +157,33 @@ async def test_an_opc_ua_client_moves_and_stops_it(robot: aioduco.Robot, sim: Si
         assert not sim.view.moving
         state = await arm.get_child(f"{space}:State")
         assert await state.read_value() == "ENABLE"
+        failed = await arm.get_child(f"{space}:Failed")
+        await says(failed, "stopped")
+        # accepted by the controller, which tells by the motion's end that it is not carried out
+        sim.emergency_stop()
+        await eventually_async(lambda: sim.view.emergency_stop)
+        assert await arm.call_method(f"{space}:Move", FAR, 0.3) == ""
+        await says(failed, "not allowed")
+
+
+async def test_an_opc_ua_server_that_held_the_loop_moves_the_arm(
+    sim: Simulator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It counted as hung, and all motions were refused from then on."""
+    need("asyncua.client.client")
+    module = example("server_opcua")
+    async with aioduco.connect(sim.host, sim.port, loop_stall_limit=2.0, heartbeat=20.0) as robot:
+        await robot.bring_up()
+
+        class Holding(module.Server):  # type: ignore[misc, name-defined]  # of a module that is loaded
+            async def init(self) -> None:
+                await super().init()
+                while (beats := robot.statistics().heartbeat) is None or not beats.stalls:
+                    pass
+
+        monkeypatch.setattr(module, "Server", Holding)
+        async with module.served(robot, f"opc.tcp://127.0.0.1:{free_port()}"):
+            await robot.motion.movej2(FAR, v=3.0, a=10.0)
 
 
 async def test_an_opc_ua_client_s_stop_does_not_wait_for_the_answer_to_its_move(
@@ -176,9 +209,7 @@ async def test_an_opc_ua_client_s_stop_does_not_wait_for_the_answer_to_its_move(
                 proxy.cut()
                 await stop
                 assert await move == ""
-                refused = await arm.get_child(f"{space}:Refused")
-                while not await refused.read_value():  # noqa: ASYNC110 - only asking tells
-                    await asyncio.sleep(0)
+                await says(await arm.get_child(f"{space}:Failed"), "")
 
 
 @pytest.fixture
