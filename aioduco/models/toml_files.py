@@ -70,6 +70,8 @@ def parse_toml(text: str) -> dict[str, Any]:
     """
     import tomllib  # noqa: PLC0415 - most programs read none
 
+    if not isinstance(text, str):
+        raise ValueError(f"{text!r} is no text")  # noqa: TRY004 - as all else that is no TOML
     work = 0
     for key in _LONG_KEYS.finditer(text):
         work += len(re.findall(_PART, key["key"] or "")) ** 2
@@ -125,10 +127,13 @@ def rewrite(path: str | os.PathLike[str], text: str) -> None:
 
     Raises:
         OSError: it cannot be written; an existing one stays unchanged.
+        ParameterError: the path is none.
     """
-    from aioduco.models.whole_files import whole_file  # noqa: PLC0415 - most programs write none
+    from aioduco.models.ranges import FILE  # noqa: PLC0415 - most programs write none
+    from aioduco.models.whole_files import whole_file  # noqa: PLC0415
 
-    before = Path(path).read_bytes() if Path(path).is_file() else b""
+    path = FILE("path", path)
+    before = path.read_bytes() if path.is_file() else b""
     plain = text.removeprefix("\ufeff")
     if b"\r\n" in before and "\r" not in plain:
         plain = plain.replace("\n", "\r\n")

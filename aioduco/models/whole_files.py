@@ -9,6 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, TYPE_CHECKING
 
+from aioduco.models.ranges import FILE
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
@@ -28,8 +30,9 @@ def whole_file(
 
     Raises:
         OSError: it cannot be written; an existing one stays unchanged. The error names the file.
+        ParameterError: the path is none.
     """
-    target = Path(os.path.realpath(path))
+    target = Path(os.path.realpath(FILE("path", path)))
     # one for each thread: two may write the same file. The name of the file itself may be the
     # longest that there is
     beside = f".{target.name[:40]}.{os.getpid()}.{threading.get_ident():x}"

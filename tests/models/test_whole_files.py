@@ -17,6 +17,7 @@ import typer
 
 from aioduco.cli import picture
 from aioduco.cli.exit_codes import write_file
+from aioduco.errors import ParameterError
 from aioduco.kinematics import arm
 from aioduco.models.whole_files import whole_file, write_whole
 from aioduco.recording.tables import write_csv
@@ -47,6 +48,8 @@ def test_what_was_there_stays_if_the_new_content_does_not_fit(tmp_path: Path) ->
     with pytest.raises(IsADirectoryError) as failed:
         write_whole(tmp_path, "new\n")
     assert str(failed.value).endswith(f"directory: {str(tmp_path)!r}")
+    with pytest.raises(ParameterError, match="path is 5, but must be the name of a file"):
+        write_whole(5, "new\n")  # type: ignore[arg-type]  # wrong on purpose
 
 
 def _statistics(path: Path) -> None:

@@ -6,6 +6,7 @@ import copy
 import math
 import pickle
 from pathlib import Path
+from typing import Any
 
 import pytest
 from for_each import for_each
@@ -244,6 +245,15 @@ def test_a_gripper_is_the_tool_of_a_scene_unless_the_file_has_its_looks() -> Non
     down = Joints.deg(0, -10, 100, 0, -90, 0)  # the flange is 0.44 m above the floor
     assert Cell(text + thing).scene().collides(down)
     assert not Cell(text + thing + rod).scene().collides(down)
+
+
+@pytest.mark.parametrize("kind", [Cell, WaypointFile])
+def test_what_is_no_text_is_no_file(kind: Any) -> None:
+    for wrong in list[Any]([5, None, b"arm", ["arm"]]):
+        with pytest.raises(aioduco.DucoError, match="is no text"):
+            kind(wrong)
+    with pytest.raises(aioduco.ParameterError, match="the name of a file"):
+        cell().save(5)  # type: ignore[arg-type]  # wrong on purpose
 
 
 def test_unknown_names_are_answered_with_the_nearest() -> None:

@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import AsyncIterator, Iterator, Mapping
 from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from aioduco.errors import CellFileError, ParameterError, WaypointFileError
 from aioduco.models.gripper_models import GRIPPERS
 from aioduco.models.points import Point, TaughtPoints
 from aioduco.models.pose import Joints, Pose
-from aioduco.models.ranges import OWN_NAME
+from aioduco.models.ranges import FILE, OWN_NAME
 from aioduco.models.similar import did_you_mean, unknown
 from aioduco.models.toml_files import key_text, listed, parse_toml, quoted, read_text, rewrite
 from aioduco.models.toml_lines import Statement, key_end, line_of, statements
@@ -22,6 +21,7 @@ from aioduco.recording.playback.waypoints import WaypointFile
 
 if TYPE_CHECKING:
     import os
+    from pathlib import Path
 
     from aioduco.envelope import Envelope
     from aioduco.planning.cell.grippers import CellGripper
@@ -73,7 +73,7 @@ class Cell(Mapping[str, Point]):
     waypoints: WaypointFile
 
     def __init__(self, text: str, path: str | os.PathLike[str] = "cell.toml") -> None:
-        self.path = Path(path)
+        self.path = FILE("path", path)
         # what is saved later goes there, even if the working directory is another one then
         self._file = self.path.absolute()
         self._take(text)
