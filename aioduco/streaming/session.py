@@ -236,7 +236,10 @@ class Session(OpenStream):
             StreamError: the stream has ended; the error says why.
         """
         if self.block is None:
-            raise StreamClosed("the stream is not open: use it in `async with`")
+            raise StreamClosed(
+                "the stream is not open: use it in its block, by `with` or, where it is awaited, "
+                "`async with`"
+            )
         self._owner_loop.require(self.name)
         if self.reason or self._final is not None or self._closing:
             self.check_end()

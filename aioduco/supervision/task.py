@@ -185,7 +185,7 @@ class Task(Uncopied):
         if untold and (outcome := self.life.outcome) in _FAILURES:
             warnings.warn(
                 f"{task_error(self.name, self.id, outcome, self._errors)}; nothing has asked how "
-                "it ended: await the task, or read its outcome",
+                "it ended: wait for it, or read its outcome",
                 RuntimeWarning,
                 source=self,
                 stacklevel=2,

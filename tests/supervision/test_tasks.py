@@ -87,7 +87,7 @@ async def test_a_failure_that_nobody_asks_about_warns(end: TaskState, bench: Ben
         await eventually_async(lambda: gc.collect() >= 0 and bool(caught))
     (said,) = (str(warning.message) for warning in caught)
     assert said.startswith(f"movej2 (task {forgotten}) ")
-    assert said.endswith("; nothing has asked how it ended: await the task, or read its outcome")
+    assert said.endswith("; nothing has asked how it ended: wait for it, or read its outcome")
 
 
 async def test_a_motion_that_the_controller_refuses(robot: aioduco.Robot, bench: Bench) -> None:

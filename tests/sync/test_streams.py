@@ -165,6 +165,8 @@ def test_its_worker_has_a_process_of_its_own_and_its_options_are_those_of_the_aw
         stream.send(START)  # it goes on after what was refused
     with pytest.raises(ParameterError, match="upsample"):
         robot.servo.joints(v=1.0, a=8.0, upsample="nearest")  # type: ignore[arg-type]
+    with pytest.raises(StreamClosed, match=r"in its block, by `with` or, where it is awaited,"):
+        robot.servo.joints(v=1.0, a=8.0).send(START)
     with pytest.raises(StreamClosed, match="opened once"), stream:
         raise AssertionError("entered")
 
