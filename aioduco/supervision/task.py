@@ -447,7 +447,8 @@ _MEANING: dict[Outcome, tuple[type[TaskError], str]] = {
         TaskIllegal,
         (
             "is not allowed in the robot's present state: is it enabled, without an emergency "
-            "stop or a running program, and are tool and work object known to it?"
+            "stop or a running program (see robot.bring_up()), and are tool and work object known "
+            "to it?"
         ),
     ),
     Outcome.PARAMETER_MISMATCH: (TaskParameterMismatch, "has a parameter that it does not take"),

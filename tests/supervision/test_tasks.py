@@ -46,7 +46,7 @@ async def test_a_task_tells_its_states_and_times(robot: aioduco.Robot, bench: Be
     ("end", "error", "words"),
     [
         (TaskState.ERROR, aioduco.TaskFailed, "ended with an error.*Joint 4 检测到碰撞"),
-        (TaskState.ILLEGAL, aioduco.TaskIllegal, "not allowed.*Joint 4"),
+        (TaskState.ILLEGAL, aioduco.TaskIllegal, r"not allowed.*bring_up\(\).*Joint 4"),
         (TaskState.PARAMETER_MISMATCH, aioduco.TaskParameterMismatch, "parameter.*Joint 4"),
         (TaskState.INTERRUPT, aioduco.TaskInterrupted, "interrupted before its end"),
         (TaskState.STOPPED, aioduco.TaskStopped, "was stopped"),
