@@ -677,8 +677,7 @@ class Supervisor:
 
     async def _live(self, due: float) -> None:
         """Send keep-alives of the event loop, first at `due`, and look whether the arm is done."""
-        limits = self.settings
-        async for turn in keep_alives(limits.loop_stall_limit, due, limits.lag_limit):
+        async for turn in keep_alives(self.settings.loop_stall_limit, due, self.settings.lag_limit):
             self._liveness.touch(turn, counts=self.gate.alive(boot_time()))
             self.dispatcher.look()
 
