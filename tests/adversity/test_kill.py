@@ -33,6 +33,9 @@ HEARTBEAT = 1.0
 SOON = 10.0
 #: s, more than a program takes to leave its robot
 _LEAVING = 30.0
+#: s within which a guard has ended: it stops the arm, sees it stand, and looks on whether it stays
+#: at rest, each for up to its ABANDONED_LIMIT while a busy controller answers late
+_GUARD_ENDS = 120.0
 
 
 @dataclass(frozen=True)
@@ -123,6 +126,7 @@ def at_a_moment(sim: Simulator, choice: str) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(300)
 @pytest.mark.parametrize("number", range(2))
 @BOTH
 def test_the_arm_stands_after_a_kill(sim: Simulator, seed: int, watch: Watch, number: int) -> None:
@@ -131,7 +135,7 @@ def test_the_arm_stands_after_a_kill(sim: Simulator, seed: int, watch: Watch, nu
         child.kill()
         began = sim.time
         stands_soon(sim, began)
-        eventually(lambda: sim.connections == 0)
+        eventually(lambda: sim.connections == 0, timeout=_GUARD_ENDS)
 
 
 @pytest.mark.slow
