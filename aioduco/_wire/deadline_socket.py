@@ -132,8 +132,9 @@ class DeadlineSocket:
         return True
 
     def _wait_connected(self, deadline: float) -> int:
-        left = deadline - time.monotonic()
-        if left <= 0 or not readiness(self.socket, writing=True)(left):
+        # one that was made while this thread did not run is taken, also after the deadline
+        left = max(deadline - time.monotonic(), 0.0)
+        if not readiness(self.socket, writing=True)(left):
             return errno.ETIMEDOUT
         return self.socket.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
 

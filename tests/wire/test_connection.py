@@ -302,6 +302,15 @@ def test_an_answer_that_came_while_the_caller_did_not_run_is_taken(
         assert client(connection).get_robot_version() == "3.8"
 
 
+def test_a_connection_that_was_made_while_the_caller_did_not_run_is_taken() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        address = listener.family, listener.type, 0, "", listener.getsockname()
+        stream = deadline_socket.DeadlineSocket(address)
+        stream.connect(time.monotonic() - 1.0)
+        assert stream.has_peer
+        stream.discard()
+
+
 @pytest.mark.slow
 def test_a_drip_feeding_controller_does_not_stretch_the_deadline() -> None:
     """Each byte comes long before any time-out on a single read, for as long as one likes."""
