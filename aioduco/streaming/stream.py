@@ -20,7 +20,6 @@ from aioduco.streaming.shared.options import MOST_ACTIONS, checked, rate_rule
 from aioduco.streaming.shared.space import JOINT_SPACE, too_far
 from aioduco.streaming.shared.words import ActionTag, Reason, StreamState
 from aioduco.streaming.ticks import Tick, Ticks
-from aioduco.supervision.concurrency import first_error
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterable, AsyncIterator, Callable, Iterable, Sequence
@@ -320,7 +319,7 @@ class Stream(Uncopied):
                 await self._session.until_gone()
                 tasks.cancel_scope.cancel()
         except BaseExceptionGroup as group:
-            raise first_error(group) from None
+            raise group.exceptions[0] from None  # the source may raise a group of its own
         self._session.alive()
 
     async def play(self, trajectory: Any, times: Any = None) -> None:

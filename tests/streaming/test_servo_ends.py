@@ -87,14 +87,16 @@ async def test_a_source_that_is_in_a_scope_of_its_own_hides_no_end(controller: C
         await program()
 
 
-async def test_an_error_of_a_source_is_its_own(controller: Controller) -> None:
+@pytest.mark.parametrize("error", [ZeroDivisionError(), ExceptionGroup("two", [KeyError()] * 2)])
+async def test_an_error_of_a_source_is_its_own(controller: Controller, error: Exception) -> None:
     async def source() -> AsyncIterator[list[float]]:
         yield HERE
-        raise ZeroDivisionError
+        raise error
 
-    with pytest.raises(ZeroDivisionError):
+    with pytest.raises(type(error)) as raised:
         async with controller.servo.joints(v=1.0, a=5.0, options=THREAD) as stream:
             await stream.follow(source())
+    assert raised.value is error
 
 
 @workers
