@@ -378,11 +378,12 @@ class RobotObserver(Uncopied):
         )
 
     def _task_changed(self, task: Task) -> None:
+        life = task.life  # a recording is not the program, which may not ask how the task ended
         found = {
             "id": task.id,
             "name": task.name,
-            "state": task.state,
-            "outcome": "" if task.outcome is None else task.outcome.name,
+            "state": life.state,
+            "outcome": life.outcome.name if life.outcome and task.done else "",
             "done": task.done,
             "motion": task.motion,
             "duration": round(task.duration, 6),

@@ -193,7 +193,7 @@ class Task(Uncopied):
 
     def __repr__(self) -> str:
         end = f" {self.life.outcome.value}" if self.life.outcome and self.done else ""
-        return f"<Task {self.id} {self.name} {self.state.name}{end}>"
+        return f"<Task {self.id} {self.name} {self.life.state.name}{end}>"
 
     @property
     def _permits(self) -> Permits:
@@ -202,6 +202,7 @@ class Task(Uncopied):
     @property
     def state(self) -> TaskState:
         """The last state that was seen."""
+        self._asked = self._asked or self.done
         return self.life.state
 
     @property

@@ -4,7 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import gc
+import re
 import warnings
+import weakref
+from collections.abc import Callable
+from operator import attrgetter
+from pathlib import Path
 
 import anyio
 import anyio.lowlevel
@@ -15,6 +20,7 @@ from interpreter import python
 
 import aioduco
 from aioduco import Outcome, TaskState
+from aioduco.supervision.task import Task
 from aioduco.supervision.task_state import added_entries
 from aioduco.testing import eventually_async
 
@@ -70,24 +76,40 @@ async def test_each_bad_end_is_a_typed_error(
     assert "earlier" not in str(caught.value)
 
 
-@for_each("end", [TaskState.ERROR, TaskState.ILLEGAL, TaskState.PARAMETER_MISMATCH])
-async def test_a_failure_that_nobody_asks_about_warns(end: TaskState, bench: Bench) -> None:
-    bench.ends = end
+async def warned_of(bench: Bench, ask: Callable[[Task], object], record: Path | None) -> list[str]:
+    """What is said when a motion that has failed is forgotten, after `ask` has looked at it."""
 
-    async def forget() -> int:
-        async with aioduco.connect(bench.host, bench.port) as robot:
+    async def forget() -> weakref.ref[Task]:
+        async with aioduco.connect(bench.host, bench.port, record=record) as robot:
             task = await under_way(bench, robot)
             bench.arrive()
             await eventually_async(lambda: task.done)
-            return task.id
+            ask(task)
+            return weakref.ref(task)
 
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        forgotten = await forget()
-        await eventually_async(lambda: gc.collect() >= 0 and bool(caught))
-    (said,) = (str(warning.message) for warning in caught)
-    assert said.startswith(f"movej2 (task {forgotten}) ")
+        task = await forget()
+        await eventually_async(lambda: gc.collect() >= 0 and task() is None)
+    return [str(warning.message) for warning in caught]
+
+
+@for_each("end", [TaskState.ERROR, TaskState.ILLEGAL, TaskState.PARAMETER_MISMATCH])
+@pytest.mark.parametrize("recorded", [False, True])
+async def test_a_failure_that_nobody_asks_about_warns(
+    end: TaskState, bench: Bench, recorded: bool, tmp_path: Path
+) -> None:
+    bench.ends = end
+    record = tmp_path / "run.mcap" if recorded else None
+    (said,) = await warned_of(bench, repr, record)
+    assert re.match(r"movej2 \(task \d+\) ", said)
     assert said.endswith("; nothing has asked how it ended: wait for it, or read its outcome")
+
+
+@for_each("name", ["state", "outcome"])
+async def test_a_failure_that_was_read_does_not_warn(name: str, bench: Bench) -> None:
+    bench.ends = TaskState.ERROR
+    assert not await warned_of(bench, attrgetter(name), None)
 
 
 async def test_a_motion_that_the_controller_refuses(robot: aioduco.Robot, bench: Bench) -> None:
