@@ -312,15 +312,19 @@ class Heartbeat:
             self._own.close()
 
     def _stop_stalled(self) -> None:
-        """Stop the arm at once if the event loop hangs; the missing beats would stop it later."""
+        """Stop the arm at once if the event loop hangs; the missing beats would stop it later.
+
+        The modes that a stop leaves on, such as hand guiding, are ended: the program cannot.
+        """
         if not self._liveness.moves or self.lapsed:
             return
-        try:
-            self._own.call("stop", (False,), self._machine.every)
-        except DucoError as exc:
-            self._own.close()
-            self.error = exc
-            _log.error("the event loop hangs, and the arm could not be stopped at once: %s", exc)
+        for name, args in (("stop", (False,)), *self._liveness.modes):
+            try:
+                self._own.call(name, tuple(args), self._machine.every)
+            except DucoError as exc:
+                self._own.close()
+                self.error = exc
+                _log.error("the event loop hangs, and %s failed: the arm may move: %s", name, exc)
 
     def _beat(self) -> None:
         until = time.monotonic() + self._machine.every

@@ -37,6 +37,7 @@ from aioduco.supervision.guard.messages import (
     pack,
     unpack,
 )
+from aioduco.supervision.settings import GuardKind
 from aioduco.testing import Cut, FaultProxy, Place, eventually, eventually_async
 
 from .test_heartbeat import state
@@ -297,6 +298,24 @@ async def test_a_hung_loop_without_a_heartbeat_has_its_arm_stopped(bench: Bench)
             await robot.motion.movej2(HOME, v=1.0, a=1.0)
         assert not bench.received("rpc_heartbeat")
     assert bench.commands == 2 * ["movej2", "stop", "movej2"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("guard", "heartbeat"), [(None, 60.0), ("process", 60.0), ("process", None)], ids=str
+)
+async def test_a_hung_loop_has_its_hand_guiding_ended(
+    guard: GuardKind | None, heartbeat: float | None
+) -> None:
+    """The stop may leave it on, and its program is killed next: nobody else would end it."""
+    with Desk() as desk:
+        desk.answer("stop", 4)
+        async with aioduco.connect(
+            desk.host, desk.port, guard=guard, heartbeat=heartbeat, loop_stall_limit=2.0
+        ) as robot:
+            await robot.motion.teach_mode().start()
+            eventually(lambda: not desk.going_on)  # the loop does not run
+            assert desk.commands == ["teach_mode", "stop", "end_teach_mode"]
 
 
 async def test_an_unknown_controller_is_told_as_without_a_guard() -> None:

@@ -5,8 +5,8 @@ Guarantees:
   that at once, and stops the arms over connections that have been open since the robots were.
 - The guard stops only an arm that the program moves. The program reports that before it sends
   anything that may move the arm, and withdraws it when the arm stands.
-- After the stop of a program that has exited, it ends the modes that a stop leaves on, such as hand
-  guiding: nobody else would, and the arm would go on giving way.
+- After the stop of a program that has exited or hangs, it ends the modes that a stop leaves on, as
+  hand guiding: nobody else would, and the arm would go on giving way.
 - If the guard was itself suspended for so long that the controllers missed its heartbeats, it sends
   no stop: the controllers have stopped the arms, and a motion now belongs to another program.
 - If an event loop sends no keep-alive for its stall limit, the guard stops the arm and withholds
@@ -217,6 +217,7 @@ class GuardedRobot:
                     await self.stop_channel.stop(ABANDONED_LIMIT)
                 except DucoError as exc:
                     _log.critical("the event loop hangs, and %s", exc)
+                await self._leave_modes()
                 looked = boot_time()
 
     async def aclose(self) -> None:
