@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import statistics
 from collections import Counter
 from collections.abc import Callable
 
@@ -15,42 +14,49 @@ from for_each import for_each
 import aioduco
 from aioduco import Outcome, TaskState
 from aioduco.supervision import task_follower as poller
-from aioduco.supervision.task_follower import FAST, STEADY
+from aioduco.supervision.task_follower import FAST, STEADY, interval
 from aioduco.testing import Cut, FaultProxy, Place, eventually_async
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
-    "motion",
+    ("motion", "expected"),
     [
-        lambda robot: robot.motion.movej2([0.0] * 6, v=3.0, a=300.0),  # expected to take 0.51 s
-        lambda robot: robot.motion.movel(POSE, v=0.2, a=1.0),
+        (lambda robot: robot.motion.movej2([0.0] * 6, v=3.0, a=300.0), 0.51),
+        (lambda robot: robot.motion.movel(POSE, v=0.2, a=1.0), None),
     ],
     ids=["expected", "not expected"],
 )
 async def test_the_end_is_noticed_soon(
-    robot: aioduco.Robot, bench: Bench, motion: Callable[[aioduco.Robot], aioduco.MotionCommand]
+    robot: aioduco.Robot,
+    bench: Bench,
+    monkeypatch: pytest.MonkeyPatch,
+    motion: Callable[[aioduco.Robot], aioduco.MotionCommand],
+    expected: float | None,
 ) -> None:
-    bench.motion_time = 0.51
-    rounds: list[list[float]] = []
-    # A machine that is busy just now is late at everything: then another round is tried.
-    while not rounds or (statistics.median(rounds[-1]) >= 0.05 * bench.motion_time):
-        assert len(rounds) < 10, rounds
-        rounds.append([])
-        for _ in range(5):
-            task = await motion(robot).start()
-            await task
-            end = bench.tasks[task.id].ended_at
-            assert end is not None
-            assert task.ended_at is not None
-            rounds[-1].append(task.ended_at - end)
-            asked = [
-                call.at
-                for call in bench.received("get_noneblock_taskstate")
-                if call.args == (task.id,)
-            ]
-            # the first question after the end, or the one that was on its way
-            assert sum(at > end for at in asked) <= 2
+    """By the next poll, which is due soon: the times of polls are tested in `test_poll_times`."""
+    bench.motion_time = 600.0
+    known: list[float | None] = []
+
+    def noted(age: float, remaining: float | None = None) -> float:
+        known.append(remaining)
+        return interval(age, remaining)
+
+    monkeypatch.setattr(poller, "interval", noted)
+    monkeypatch.setattr(poller, "ASK_LIMIT", 60.0)  # each poll has its answer, however late
+    task = await motion(robot).start()
+    await eventually_async(lambda: len(known) >= 3)
+    bench.arrive()
+    await task
+    end = bench.tasks[task.id].ended_at
+    assert end is not None
+    asked = [
+        call.at for call in bench.received("get_noneblock_taskstate") if call.args == (task.id,)
+    ]
+    # the first question after the end, or the one that was on its way
+    assert sum(at > end for at in asked) <= 2
+    assert {remaining is None for remaining in known} == {expected is None}
+    if task.expected_end is not None:
+        assert task.expected_end - task.since == pytest.approx(expected)
 
 
 async def test_a_motion_with_an_expected_end_is_asked_about_less_often(
