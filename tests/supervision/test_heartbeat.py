@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import itertools
 import logging
+import math
 import statistics
 import subprocess
 import sys
@@ -24,11 +25,12 @@ from aioduco._process.platform import boot_time
 from aioduco._wire.connection import Connection
 from aioduco._wire.endpoint import Endpoint
 from aioduco._wire.own_connection import OwnConnection
+from aioduco.supervision import heartbeat as heartbeats
 from aioduco.supervision.gate import Gate
 from aioduco.supervision.heartbeat import Heartbeat
 from aioduco.supervision.loop_watchdog import Liveness
 from aioduco.supervision.opening_and_closing import until_beating
-from aioduco.testing import Cut, DropReply, FaultProxy, Place, eventually, eventually_async
+from aioduco.testing import Cut, FaultProxy, Place, eventually, eventually_async
 
 
 def beats(bench: Bench) -> int:
@@ -194,19 +196,36 @@ async def test_a_lost_heartbeat_is_reported_and_comes_back(
     assert any("answered again" in message for message in messages)
 
 
-@pytest.mark.slow
-async def test_one_beat_without_an_answer_is_repeated_in_time(
-    bench: Bench, proxy: FaultProxy
-) -> None:
-    async with aioduco.connect(proxy.host, proxy.port, heartbeat=3.0) as robot:
-        await eventually_async(lambda: beats(bench) >= 2)
-        proxy.on("rpc_heartbeat", DropReply())
-        seen = beats(bench)
-        await eventually_async(lambda: beats(bench) >= seen + 3)
-        figures = robot.heartbeat
-        assert figures is not None
-        assert figures.state is HeartbeatState.BEATING
-        assert (figures.missed, figures.losses) == (1, 0)
+def test_one_beat_without_an_answer_is_repeated_in_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The time is the test's own."""
+    now, sent = 100.0, list[float]()
+
+    def pass_by(seconds: float) -> bool:
+        nonlocal now
+        now += seconds
+        return False
+
+    def call(name: str, _: object, timeout: float) -> None:
+        assert name == "rpc_heartbeat"
+        sent.append(now)
+        if len(sent) == 3:
+            pass_by(timeout)
+            raise aioduco.CallTimeout("it is silent")
+        if len(sent) == 5:
+            heartbeat.end()
+
+    monkeypatch.setattr(heartbeats, "boot_time", lambda: now)
+    monkeypatch.setattr(heartbeats, "time", SimpleNamespace(monotonic=lambda: now))
+    own = OwnConnection(Endpoint("192.0.2.1", 7003, 1.0))
+    monkeypatch.setattr(own, "ready", lambda _: SimpleNamespace(call=call))
+    heartbeat = Heartbeat(own, 3.0, Liveness(), math.inf, lambda _: None)
+    monkeypatch.setattr(heartbeat._nudge, "wait", pass_by)
+    heartbeat.start()
+    assert heartbeat.join(30.0)
+    assert sent == pytest.approx([100.0, 101.0, 102.0, 103.0, 104.0])
+    figures = heartbeat.statistics()
+    assert figures.state is HeartbeatState.BEATING
+    assert (figures.missed, figures.losses) == (1, 0)
 
 
 async def test_leaving_ends_the_heartbeat_at_once(bench: Bench) -> None:
