@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import anyio
 
 from aioduco._process.copying import Uncopied
+from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import (
     TaskError,
     TaskFailed,
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from aioduco.models.controller_clock import Clock
     from aioduco.supervision.task_command import Command
 
+
+_log = BackgroundLogger(__name__)
 
 #: what happens to a motion when its await is cancelled
 OnCancel = Literal["stop", "pause", "detach"]
@@ -183,12 +185,9 @@ class Task(Uncopied):
     def __del__(self) -> None:
         untold = not getattr(self, "_asked", True) and self.motion
         if untold and (outcome := self.life.outcome) in _FAILURES:
-            warnings.warn(
-                f"{task_error(self.name, self.id, outcome, self._errors)}; nothing has asked how "
-                "it ended: wait for it, or read its outcome",
-                RuntimeWarning,
-                source=self,
-                stacklevel=2,
+            _log.warning(
+                "%s; nothing has asked how it ended: wait for it, or read its outcome",
+                task_error(self.name, self.id, outcome, self._errors),
             )
 
     def __repr__(self) -> str:

@@ -20,6 +20,7 @@ from interpreter import python
 
 import aioduco
 from aioduco import Outcome, TaskState
+from aioduco._process.reporting import reporter
 from aioduco.supervision.task import Task
 from aioduco.supervision.task_state import added_entries
 from aioduco.testing import eventually_async
@@ -76,8 +77,8 @@ async def test_each_bad_end_is_a_typed_error(
     assert "earlier" not in str(caught.value)
 
 
-async def warned_of(bench: Bench, ask: Callable[[Task], object], record: Path | None) -> list[str]:
-    """What is said when a motion that has failed is forgotten, after `ask` has looked at it."""
+async def forgotten(bench: Bench, ask: Callable[[Task], object], record: Path | None) -> None:
+    """Forget a motion that has failed, after `ask` has looked at it."""
 
     async def forget() -> weakref.ref[Task]:
         async with aioduco.connect(bench.host, bench.port, record=record) as robot:
@@ -87,29 +88,36 @@ async def warned_of(bench: Bench, ask: Callable[[Task], object], record: Path | 
             ask(task)
             return weakref.ref(task)
 
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        task = await forget()
-        await eventually_async(lambda: gc.collect() >= 0 and task() is None)
-    return [str(warning.message) for warning in caught]
+    task = await forget()
+    await eventually_async(lambda: gc.collect() >= 0 and task() is None)
+    assert reporter.flush()
+
+
+#: what the log says of a failed motion of which nothing has asked how it ended
+UNASKED = r"movej2 \(task \d+\) .*; nothing has asked how it ended: wait for it, or read"
 
 
 @for_each("end", [TaskState.ERROR, TaskState.ILLEGAL, TaskState.PARAMETER_MISMATCH])
 @pytest.mark.parametrize("recorded", [False, True])
-async def test_a_failure_that_nobody_asks_about_warns(
-    end: TaskState, bench: Bench, recorded: bool, tmp_path: Path
+async def test_a_failure_that_nobody_asks_about_is_logged(
+    end: TaskState,
+    bench: Bench,
+    recorded: bool,
+    tmp_path: Path,
+    caplog: pytest.LogCaptureFixture,
 ) -> None:
     bench.ends = end
-    record = tmp_path / "run.mcap" if recorded else None
-    (said,) = await warned_of(bench, repr, record)
-    assert re.match(r"movej2 \(task \d+\) ", said)
-    assert said.endswith("; nothing has asked how it ended: wait for it, or read its outcome")
+    await forgotten(bench, repr, tmp_path / "run.mcap" if recorded else None)
+    assert re.search(UNASKED, caplog.text)
 
 
 @for_each("name", ["state", "outcome"])
-async def test_a_failure_that_was_read_does_not_warn(name: str, bench: Bench) -> None:
+async def test_a_failure_that_was_read_is_not_logged(
+    name: str, bench: Bench, caplog: pytest.LogCaptureFixture
+) -> None:
     bench.ends = TaskState.ERROR
-    assert not await warned_of(bench, attrgetter(name), None)
+    await forgotten(bench, attrgetter(name), None)
+    assert "nothing has asked" not in caplog.text
 
 
 async def test_a_motion_that_the_controller_refuses(robot: aioduco.Robot, bench: Bench) -> None:
