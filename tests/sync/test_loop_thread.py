@@ -49,7 +49,8 @@ FORKING = """
 import os, sys
 import aioduco, aioduco.sync
 
-with aioduco.sync.connect(sys.argv[1], int(sys.argv[2])) as robot:
+# nothing is to be said of a busy machine
+with aioduco.sync.connect(sys.argv[1], int(sys.argv[2]), lag_limit=None) as robot:
     task = robot.motion.movej2.start([0, 0, 1.5, 0, -1.5, 0], v=1.0, a=1.0)
     child = os.fork()
     if child == 0:

@@ -210,8 +210,9 @@ async def test_tolerances_of_speeds(node: ArmNode, monkeypatch: pytest.MonkeyPat
 async def test_a_goal_that_is_left_is_stopped_at_once_if_asked_for(
     node: ArmNode, sim: Simulator, lost: str
 ) -> None:
+    rules = GoalRules(goal_time=60.0)  # a busy machine begins it late
     goals = TrajectoryServer(
-        node.robot, PROFILE, GoalRules(), wall=time.time, through="servoj", stop_at_loss=True
+        node.robot, PROFILE, rules, wall=time.time, through="servoj", stop_at_loss=True
     )
     client = Client(goal(count=50, duration=3.0, far=0.8))
     async with anyio.create_task_group() as tasks:
