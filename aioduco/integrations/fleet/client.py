@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, Self
 import anyio
 
 from aioduco._process.copying import Uncopied
+from aioduco._process.reporting import BackgroundLogger
 from aioduco.errors import ParameterError
 from aioduco.integrations.fleet.link import FleetLink
 from aioduco.integrations.fleet.proof import challenge, proves, read_keys
@@ -24,6 +25,8 @@ from aioduco.models.ranges import TIMEOUT
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
+
+_log = BackgroundLogger(__name__)
 
 #: seconds to wait for gateways, if the settings expect none
 _FOUND: Final = 1.0
@@ -182,7 +185,7 @@ class FleetClient(Uncopied):
                 after 5 s if one of its controllers does not answer: with the default it still says
                 which arms stand.
             waiting: called with what is known by then as soon as a gateway has answered, and
-                others have not.
+                others have not; an exception of it is logged.
 
         Raises:
             ParameterError: the time is not above 0, or no arm is named; nothing was sent.
@@ -237,7 +240,7 @@ class FleetClient(Uncopied):
             lacking, done = missing(), answers.keys() & ended
             if waiting is not None and lacking and done - told:
                 told.update(done)
-                waiting(known())
+                _tell(waiting, known())
             return not lacking
 
         def known() -> FleetStop:
@@ -263,6 +266,14 @@ class FleetClient(Uncopied):
                 limit = enough if done and self._present else begin + timeout
                 with anyio.CancelScope(deadline=limit):
                     await changed.wait()
+
+
+def _tell(waiting: Callable[[FleetStop], object], known: FleetStop) -> None:
+    """Call what a stop calls while it waits: if it fails, later gateways are asked nevertheless."""
+    try:
+        waiting(known)
+    except Exception:
+        _log.exception("what a stop calls while it waits failed")
 
 
 def _joined(one: StopReport, other: StopReport) -> StopReport:

@@ -6,7 +6,6 @@ import json
 from collections.abc import Callable, Sequence
 from contextlib import AsyncExitStack
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -31,10 +30,10 @@ KEY = bytes(range(32))
 
 @pytest.fixture
 def plant(tmp_path: Path) -> FleetSettings:
-    """A fleet of one gateway, `cell`, with a key, and where it listens."""
+    """A fleet of one gateway, `cell`, with a key, and where it listens; `late` has a key, too."""
     pytest.importorskip("zenoh")
     keys = tmp_path / "keys.toml"
-    keys.write_text(f'cell = "{KEY.hex()}"')
+    keys.write_text(f'cell = "{KEY.hex()}"\nlate = "{KEY.hex()}"')
     listen = (f"tcp/127.0.0.1:{free_port()}",)
     return FleetSettings("plant", "cell", listen=listen, expect=("cell",), keys=str(keys))
 
@@ -138,17 +137,30 @@ async def test_nobody_answers_for_a_gateway_that_is_dead(
 
 @pytest.mark.slow
 async def test_who_has_answered_is_told_while_others_are_waited_for(plant: FleetSettings) -> None:
+    """If what is told fails, the stop still reaches those that come later."""
     known: list[FleetStop] = []
-    expecting = replace(plant, expect=("cell", "gone"))
+    found: list[FleetStop] = []
+    own = (f"tcp/127.0.0.1:{free_port()}",)
+    late = replace(plant, gateway="late", listen=own, connect=plant.listen)
+
+    def waiting(so_far: FleetStop) -> None:
+        known.append(so_far)
+        raise ZeroDivisionError
+
+    async def stop(client: FleetClient) -> None:
+        found.append(await client.stop(timeout=60.0, waiting=waiting))
+
     async with (
         FleetGateway(plant),
-        FleetClient(expecting) as client,
+        FleetClient(replace(plant, expect=("cell", "late"))) as client,
         anyio.create_task_group() as tasks,
     ):
-        tasks.start_soon(partial(client.stop, timeout=60.0, waiting=known.append))
+        tasks.start_soon(stop, client)
         await eventually_async(lambda: known)
-        tasks.cancel_scope.cancel()
-    assert known == [FleetStop((StopReport("cell", ()),), ("gone",), ())]
+        async with FleetGateway(late):
+            await eventually_async(lambda: found)
+    assert known == [FleetStop((StopReport("cell", ()),), ("late",), ())]
+    assert found[0].confirmed, found
 
 
 @pytest.mark.slow
