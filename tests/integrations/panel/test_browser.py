@@ -81,10 +81,11 @@ async def commanding(chromium: BrowserContext, panel: Panel) -> Page:
 
 
 async def press(page: Page, selector: str) -> None:
-    """Press a button, and keep it down."""
+    """Press a button, and keep it down until the page was told that its motion goes on."""
     await page.wait_for_selector(f"{selector}:enabled")
     await page.hover(selector)
     await page.mouse.down()
+    await page.wait_for_function("state.motion !== null")
 
 
 @asynccontextmanager
@@ -280,6 +281,32 @@ async def test_nothing_lies_over_anything_and_the_head_is_small(chromium: Browse
             assert stop is not None
             assert stop["y"] + stop["height"] <= height
             assert stop["height"] >= 60
+
+
+#: where the controls are while the page tells of an alarm and of long states, and after it
+PLACES = """() => {
+  const places = () => [...document.querySelectorAll("main button, main input")]
+    .filter((each) => each.checkVisibility()).map((each) => each.getBoundingClientRect().y);
+  const told = structuredClone(state);
+  Object.assign(state, {age: 10, holder: 99, alarm: "NO ANSWER FROM THE CONTROLLER FOR 10 s: OLD"});
+  Object.assign(state.sample, {robot: "INITIALIZE", program: "TASK_RUNNING", safety: "POWER_OFF"});
+  showState();
+  document.querySelector("main").scrollTo(0, 100_000);
+  const before = places();
+  state = told;
+  showState();
+  return [before, places()];
+}"""
+
+
+async def test_no_control_moves_under_the_pointer(chromium: BrowserContext) -> None:
+    """An alarm that came as a button was pressed had the one above it pressed: another joint's."""
+    async with arm_and_panel() as (_, panel):
+        page = await opened(chromium, panel.url)
+        for width, height in ((1440, 900), (1200, 800), (1020, 768), (390, 844)):
+            await page.set_viewport_size({"width": width, "height": height})
+            before, after = await page.evaluate(PLACES)
+            assert after == before, f"at {width} pixels"
 
 
 async def test_the_place_of_the_picture_says_that_it_is_loading(chromium: BrowserContext) -> None:
