@@ -453,7 +453,9 @@ import aioduco
 import anyio
 
 async def main(port, path):
-    async with aioduco.connect("127.0.0.1", port, state_rate=200, record=path) as robot:
+    # without a heartbeat, which a busy machine may lose: then no motion is sent
+    options = {"state_rate": 200, "record": path, "heartbeat": None}
+    async with aioduco.connect("127.0.0.1", port, **options) as robot:
         figures = robot.recording.statistics
         while robot.feed.statistics().samples < 20:
             await anyio.sleep(0.001)
