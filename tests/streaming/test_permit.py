@@ -174,7 +174,7 @@ KINDS: dict[str, tuple[Open, str, list[str]]] = {
             "joint_position", v=1.0, a=0.5, options=options
         ),
         "realtime_data_enqueue",
-        ["end_realtime_mode", "stop"],
+        ["end_realtime_mode", "stop", "clear_realtime_data_queue"],
     ),
     "track": (
         lambda endpoint, options: TrackStreams(endpoint).stream(

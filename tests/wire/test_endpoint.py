@@ -18,7 +18,7 @@ from for_each import for_each
 
 from aioduco._wire.lane import WireLane
 from aioduco._wire.lifecycle import ConnectionState, Lifecycle, Progress
-from aioduco.errors import ConnectError, ConnectionLost
+from aioduco.errors import ConnectError, ConnectionLost, NotSent
 from aioduco.testing import eventually, eventually_async
 
 from .lanes import SHORT, channel, noted, own_threads
@@ -102,7 +102,8 @@ async def test_a_name_server_that_hangs_holds_up_neither_the_loop_nor_a_deadline
         channel(lane)._drop("for the test")
         names.answers.clear()
         for _ in range(5):
-            with pytest.raises(ConnectError, match="no answer in time"):
+            # a busy machine may begin it when no time is left
+            with pytest.raises((ConnectError, NotSent), match="no answer in time|no time left"):
                 await lane.call("pause", (True,), SHORT / 2)
         # all wait for one thread, which nothing can end
         assert names.asked == 2
