@@ -18,8 +18,6 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import anyio
-
 from aioduco._process import trial
 from aioduco._process.platform import boot_time
 from aioduco.envelope.checker import BESIDE
@@ -27,6 +25,7 @@ from aioduco.envelope.limits import Crossing, Envelope, ToolForce
 from aioduco.errors import ControllerError, EnvelopeViolated, ParameterError
 from aioduco.models.samples import joints as joints_of
 from aioduco.models.samples import pose as pose_of
+from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -196,11 +195,12 @@ class EnvelopeKeeper:
         Until the arm has stood for a while, it may begin to move by that, on an unknown path.
         """
         coordinator = self._coordinator
-        while coordinator.gate.resumed and not coordinator.busy:
+        async for _ in every(_LOOK_EVERY):
+            if not coordinator.gate.resumed or coordinator.busy:
+                return
             if not await coordinator.stands() or await coordinator.paused():
                 return
             coordinator.gate.seen(boot_time(), standing=True)
-            await anyio.sleep(_LOOK_EVERY)
 
     async def check(self, command: Command) -> Command:
         """Check that a motion stays within the envelope; return it, slowed down if necessary."""
