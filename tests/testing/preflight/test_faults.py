@@ -202,10 +202,9 @@ def test_waits_of_threads_end_at_their_time(tmp_path: Path) -> None:
     assert report.ok, report.findings
 
 
-IN_THREADS = """
-import asyncio, time
-import anyio.to_thread
-import aioduco
+#: what the two programs below have a thread compute
+COMPUTING = """
+import time
 
 def wall():  # which no preflight replaces
     return time.clock_gettime(time.CLOCK_MONOTONIC)
@@ -214,6 +213,12 @@ def computes():
     begin = time.thread_time()
     while time.thread_time() - begin < 0.1:
         pass
+"""
+
+IN_THREADS = """
+import asyncio
+import anyio.to_thread
+import aioduco
 
 async def main():
     async with aioduco.connect("192.168.1.10"):
@@ -233,22 +238,13 @@ asyncio.run(main())
 
 
 def test_what_a_thread_computes_for_a_loop_takes_no_more_than_its_time(tmp_path: Path) -> None:
-    report = tried(tmp_path, IN_THREADS)
+    report = tried(tmp_path, COMPUTING + IN_THREADS)
     assert report.ok, report.findings
 
 
 BY_POOLS = """
-import time
 from concurrent.futures import ThreadPoolExecutor
 import aioduco.sync
-
-def wall():  # which no preflight replaces
-    return time.clock_gettime(time.CLOCK_MONOTONIC)
-
-def computes():
-    begin = time.thread_time()
-    while time.thread_time() - begin < 0.1:
-        pass
 
 def goes():
     robot.motion.movej2((0.3, 0.0, 1.5, 0.0, -1.5, 0.0), v=1.0, a=2.0)
@@ -266,8 +262,8 @@ with aioduco.sync.connect("192.168.1.10") as robot:
 
 
 def test_what_a_thread_computes_for_a_program_takes_no_more_than_its_time(tmp_path: Path) -> None:
-    """A motion in a pool of two threads took as long as the computer simulated, 15 s."""
-    report = tried(tmp_path, BY_POOLS)
+    """A motion in a pool took as long as the computer simulated, 15 s."""
+    report = tried(tmp_path, COMPUTING + BY_POOLS)
     assert report.ok, report.findings
 
 
