@@ -418,7 +418,8 @@ class Channel(Carrier):
     def _writable(self) -> None:
         """Send a part of the rest; the controller executes nothing of which a part is missing."""
         stream, call = self._stream, self.call
-        assert stream is not None
+        if stream is None:  # a forked child, whose handler was due already
+            return
         if call is not None and call.permit is not None:
             try:
                 call.permit()
@@ -435,7 +436,8 @@ class Channel(Carrier):
 
     def _readable(self) -> None:
         stream = self._stream
-        assert stream is not None
+        if stream is None:  # as above
+            return
         try:
             data = stream.receive_at_once()
         except BlockingIOError:

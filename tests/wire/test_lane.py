@@ -33,7 +33,7 @@ from aioduco.models.trace import (
 from aioduco.testing import eventually_async, no_leaks
 
 from .lanes import SHORT, Gate, channel, opened
-from .servers import PATIENCE, Peer, ScriptedServer, black_hole, exception, honest
+from .servers import PATIENCE, Peer, ScriptedServer, black_hole, exception, honest, silent
 
 # Life
 
@@ -154,6 +154,18 @@ async def test_closing_ends_calls_under_way_and_calls_that_wait() -> None:
     assert type(raised["resume"]) is ConnectionLost
     assert "resume was not sent, since its lane was closed" in str(raised["resume"])
     assert server.names.count("resume") == 0
+
+
+async def test_a_forked_child_takes_nothing_from_a_connection_that_is_its_parents() -> None:
+    """Its event loop may have found the connection ready just before the fork."""
+    async with opened(silent) as (lane, _):
+        first = channel(lane)
+        stream = first._stream
+        assert stream is not None
+        first._loop.remove_reader(stream.socket.fileno())
+        first.forked()
+        first._readable()
+        first._writable()
 
 
 # What calls raise
