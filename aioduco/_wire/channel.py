@@ -17,7 +17,14 @@ from aioduco._wire.endpoint import Address, Endpoint, Lookup
 from aioduco._wire.framing import Malformed
 from aioduco._wire.lifecycle import ConnectionState, Lifecycle, Progress
 from aioduco._wire.owner_loop import loop_callback
-from aioduco.errors import ConnectError, ConnectionLost, DucoError, NotSent, OutcomeUnknown
+from aioduco.errors import (
+    ConnectError,
+    ConnectionLost,
+    DucoError,
+    NotSent,
+    OutcomeUnknown,
+    WrongProcess,
+)
 
 if TYPE_CHECKING:
     from collections import deque
@@ -269,6 +276,8 @@ class Channel(Carrier):
         #: opens the connection for the present call
         self._opening: asyncio.Task[None] | None = None
         self._tasks: set[asyncio.Task[None]] = set()
+        #: whether this is a forked child, whose parent has the calls
+        self._inherited = False
 
     @property
     def undelivered(self) -> int:
@@ -288,7 +297,7 @@ class Channel(Carrier):
         If not, a connection is opened for it first, or the call is over.
         """
         self.call, call.carrier = call, self
-        if self._too_late(call):
+        if self._not_to_be_sent(call):
             return False
         stream = self._stream
         if stream is not None:
@@ -371,7 +380,11 @@ class Channel(Carrier):
         self._drop("its event loop was closed")
 
     def forked(self) -> None:
-        """In a forked child: close the child's copy of the socket; the parent's stays open."""
+        """In a forked child: close the child's copy of the socket; the parent's stays open.
+
+        The parent goes on with the calls: the child's copies of them end, and none is sent again.
+        """
+        self._inherited = True
         stream, self._stream = self._stream, None
         if stream is not None:
             stream.socket.close()
@@ -380,11 +393,18 @@ class Channel(Carrier):
         """Wait until nothing runs for it any more."""
         await asyncio.gather(*self._tasks, return_exceptions=True)
 
-    def _too_late(self, call: LaneCall) -> bool:
-        """End a call whose deadline has passed before it was sent; return whether it has."""
-        if not call.late():
+    def _not_to_be_sent(self, call: LaneCall) -> bool:
+        """End a call that is too late, or its parent's, before it is sent; return whether it is."""
+        error: DucoError
+        if self._inherited:
+            error = WrongProcess(
+                f"{call.name} was not sent: its robot belongs to the process that forked this one. "
+                "Open another one in this process"
+            )
+        elif call.late():
+            error = NotSent(f"{call.name} was not sent: there was no time left for it")
+        else:
             return False
-        error = NotSent(f"{call.name} was not sent: there was no time left for it")
         self._end(error=failures.of_two(call.first, error))
         return True
 
@@ -398,7 +418,7 @@ class Channel(Carrier):
             await self.open(limit if call.deadline is None else min(limit, call.deadline))
             self._opening = None
             # Its deadline may have passed just now; nothing would end it after that.
-            if not self._too_late(call) and self.life.begin():
+            if not self._not_to_be_sent(call) and self.life.begin():
                 self.send(call)
         except ConnectError as exc:
             self._opening = None
@@ -492,7 +512,7 @@ class Channel(Carrier):
         if call is None:
             return
         error = call.failed(progress, exc, reason)
-        if call.may_move(progress):
+        if call.may_move(progress) and not self._inherited:
             call.first = error
             self._open_for(call)
         else:

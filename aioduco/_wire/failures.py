@@ -19,6 +19,7 @@ from aioduco.errors import (
     NotSent,
     OutcomeUnknown,
     ProtocolError,
+    WrongProcess,
 )
 
 if TYPE_CHECKING:
@@ -104,7 +105,7 @@ def of_two(first: ConnectionLost | None, second: BaseException) -> BaseException
 
     A stop may have been sent the first time although it was not sent the second time.
     """
-    unsent = isinstance(second, ConnectError | ConnectionLost)
+    unsent = isinstance(second, ConnectError | ConnectionLost | WrongProcess)
     if isinstance(first, OutcomeUnknown) and unsent and not isinstance(second, OutcomeUnknown):
         first.__cause__ = second
         return first

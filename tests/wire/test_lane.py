@@ -22,6 +22,7 @@ from aioduco.errors import (
     NotSent,
     OutcomeUnknown,
     ParameterError,
+    WrongProcess,
 )
 from aioduco.models.trace import (
     CallFinished,
@@ -156,16 +157,62 @@ async def test_closing_ends_calls_under_way_and_calls_that_wait() -> None:
     assert server.names.count("resume") == 0
 
 
+def descriptor(lane: WireLane) -> int:
+    """The descriptor of the lane's first connection."""
+    stream = channel(lane)._stream
+    assert stream is not None
+    return stream.socket.fileno()
+
+
 async def test_a_forked_child_takes_nothing_from_a_connection_that_is_its_parents() -> None:
     """Its event loop may have found the connection ready just before the fork."""
     async with opened(silent) as (lane, _):
         first = channel(lane)
-        stream = first._stream
-        assert stream is not None
-        first._loop.remove_reader(stream.socket.fileno())
+        first._loop.remove_reader(descriptor(lane))
         first.forked()
         first._readable()
         first._writable()
+
+
+async def test_a_forked_child_sends_no_call_that_waited_for_its_parents_connection() -> None:
+    async with opened(silent) as (lane, server):
+        first = lane.prepare("get_global_speed", (), SHORT)
+        lane.send(first)
+        waits = lane.prepare("resume", (True,), PATIENCE)
+        lane.send(waits)
+        server.wait_calls(1)
+        channel(lane)._loop.remove_reader(descriptor(lane))
+        lane.forked()
+        assert await waits.wait(PATIENCE)
+    assert isinstance(waits.error, WrongProcess)
+    assert "resume was not sent" in str(waits.error)
+    assert isinstance(first.error, ConnectionLost)
+    assert server.names == ["get_global_speed"]
+
+
+async def test_a_forked_child_sends_no_call_whose_connection_was_being_opened() -> None:
+    async with opened(silent, size=2) as (lane, server):
+        lane.send(lane.prepare("get_global_speed", (), SHORT))
+        opening = lane.prepare("resume", (True,), PATIENCE)
+        lane.send(opening)
+        channel(lane)._loop.remove_reader(descriptor(lane))
+        lane.forked()
+        assert await opening.wait(PATIENCE)
+    assert isinstance(opening.error, WrongProcess)
+    assert "resume" not in server.names
+
+
+async def test_a_forked_child_sends_no_call_again_that_its_parent_has_sent() -> None:
+    async with opened(silent) as (lane, server):
+        reads = lane.prepare("get_global_speed", (), PATIENCE)
+        lane.send(reads)
+        server.wait_calls(1)
+        channel(lane)._loop.remove_reader(descriptor(lane))
+        lane.forked()
+        channel(lane)._lost(EOFError())
+        assert await reads.wait(PATIENCE)
+    assert isinstance(reads.error, ConnectionLost)
+    assert server.connections == 1
 
 
 # What calls raise
