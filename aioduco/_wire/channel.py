@@ -614,19 +614,20 @@ async def _connect(loop: asyncio.AbstractEventLoop, sock: socket.socket, address
     forked after that crashes at its end (`uv__threadpool_cleanup`).
     """
     writable = asyncio.Event()
+    number = sock.fileno()  # a forked child closes its copy
     try:
-        loop.add_writer(sock.fileno(), writable.set)
+        loop.add_writer(number, writable.set)
     except NotImplementedError:  # Windows' default loop
         await loop.sock_connect(sock, address)
         return
-    loop.remove_writer(sock.fileno())  # a socket that does not connect yet counts as writable
+    loop.remove_writer(number)  # a socket that does not connect yet counts as writable
     error = sock.connect_ex(address)
     if error in (errno.EINPROGRESS, errno.EINTR):
-        loop.add_writer(sock.fileno(), writable.set)
+        loop.add_writer(number, writable.set)
         try:
             await writable.wait()
         finally:
-            loop.remove_writer(sock.fileno())
+            loop.remove_writer(number)
         error = sock.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
     if error:
         raise OSError(error, os.strerror(error))

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final
 
 from aioduco._process.platform import CONNECTING, limits_sockets, readiness, unacknowledged
 from aioduco._wire.failures import DeadlinePassed
+from aioduco._wire.forks import fork_hooks
 from aioduco._wire.nonblocking import disconnect, is_silent, send_at_once
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ class DeadlineSocket:
         waiting: called every tenth of a second while a read of a thread waits.
     """
 
-    __slots__ = ("_limit", "_readable", "_shut", "_to", "_waiting", "socket")
+    __slots__ = ("__weakref__", "_limit", "_readable", "_shut", "_to", "_waiting", "socket")
 
     def __init__(self, to: Address, waiting: Callable[[], object] | None = None) -> None:
         self._to = to[-1]
@@ -73,6 +74,7 @@ class DeadlineSocket:
         #: the system's limit in seconds; without one, as on a new socket, infinite
         self._limit = math.inf
         self._shut = False
+        fork_hooks.add(self)
 
     def connect(self, deadline: float) -> None:
         """Connect.
@@ -249,6 +251,10 @@ class DeadlineSocket:
     def discard(self) -> None:
         """Close the socket and discard undelivered bytes; while no other thread uses it."""
         disconnect(self.socket.fileno())
+        self.socket.close()
+
+    def forked(self) -> None:
+        """In a forked child: close its copy; a reset of it would be its parent's too."""
         self.socket.close()
 
     def close(self) -> None:

@@ -145,6 +145,37 @@ def test_a_process_that_is_killed_leaves_nothing_to_deliver() -> None:
             assert drained(accepted)
 
 
+FORKING = """
+import os, socket, sys
+from aioduco._wire.deadline_socket import DeadlineSocket
+
+address = "127.0.0.1", int(sys.argv[1])
+stream = DeadlineSocket((socket.AF_INET, socket.SOCK_STREAM, 0, "", address))
+stream.prepare()  # as for a loop, which waits until it is connected
+stream.socket.connect_ex(address)
+child = os.fork()
+if child == 0:
+    stream.discard()
+    os._exit(0)
+assert os.waitpid(child, 0)[1] == 0
+sent = stream.send_at_once(b"parent's")
+stream.close()
+sys.exit(sent != 8)
+"""
+
+
+def test_a_forked_child_that_gives_up_a_connection_does_not_reset_that_of_its_parent() -> None:
+    """Its copy of a task that connects has a deadline, after which it discards the socket."""
+    with peer() as listener:
+        port = str(listener.getsockname()[1])
+        command = [sys.executable, "-W", "ignore", "-c", FORKING, port]
+        with subprocess.Popen(command) as program:
+            accepted, _ = listener.accept()
+            with accepted:
+                assert accepted.recv(8) == b"parent's"
+        assert program.returncode == 0
+
+
 # -- an answer that is overdue -----------------------------------------------------------------
 
 
