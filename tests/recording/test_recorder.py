@@ -501,9 +501,10 @@ import anyio
 async def main(port, path):
     async with aioduco.connect("127.0.0.1", port, state_rate=200, record=path) as robot:
         with robot.feed.subscribe() as samples:
-            async for sample in samples:
-                size = robot.recording.statistics().size
-                print(sample.received_at, size, flush=True)
+            async for _ in samples:
+                # whose size is noted first
+                saved = robot.recording._file._saved
+                print(robot.recording.statistics().size, saved, flush=True)
 
 anyio.run(main, int(sys.argv[1]), sys.argv[2])
 """
@@ -522,20 +523,16 @@ def test_what_was_written_before_a_kill_is_read(bench: Bench, tmp_path: Path, li
     command = [sys.executable, "-c", _KILLED, str(bench.port), str(path)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
         assert program.stdout is not None
-        told = [program.stdout.readline().split() for _ in range(lines)]
+        told = [program.stdout.readline() for _ in range(lines)]
         program.kill()
-    sizes = [int(size) for _, size in told]
-    assert path.stat().st_size >= sizes[-1]
+    size, saved = map(int, told[-1].split())
+    assert path.stat().st_size >= size
     run = read(path)
     assert not run.complete
     assert run.metadata["address"].endswith(str(bench.port))
-    # what was in the file when the size last rose: all samples but those of a flush before it
-    rose = next((i for i in range(lines - 1, 0, -1) if sizes[i] > sizes[i - 1]), 0)
-    if rose:
-        offset = int(run.metadata["clock_offset"])
-        last = max(message.time_ns for message in run.messages("/joint_states"))
-        due = float(told[rose][0]) - 2 * writer.FLUSH_EVERY
-        assert last >= due * 1e9 + offset
+    # no clock: the two programs may stand still for any time
+    assert sum(run.topics.values()) >= saved
+    assert run.topics.get("/joint_states", 0) > 0 or not saved
 
 
 @pytest.mark.slow
