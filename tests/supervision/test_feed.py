@@ -125,7 +125,7 @@ async def _until_stale(robot: aioduco.Robot, ages: list[float]) -> None:
 
 
 async def test_an_old_sample_is_never_returned(proxy: FaultProxy) -> None:
-    async with aioduco.connect(proxy.host, proxy.port, call_timeout=1.0, heartbeat=None) as robot:
+    async with aioduco.connect(proxy.host, proxy.port, heartbeat=None) as robot:
         await robot.feed.latest()
         for name in ("get_robot_state", "getRobotStatus", "getRobotIOStatus"):
             proxy.on(name, DropReply(), times=None)
