@@ -170,7 +170,11 @@ class WaypointFile:
         Args:
             arm: series and model of the arm; empty for any.
             title: name of the file in errors.
+
+        Raises:
+            ParameterError: the arm is no string.
         """
+        ranges.TEXT("arm", arm)
         default = Waypoint(joints=Joints(0, 0, 0, 0, 0, 0))
         text = (
             f"{_HEAD}\narm = {quoted(arm)}\n\n[defaults]\n"

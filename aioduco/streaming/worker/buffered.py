@@ -263,7 +263,10 @@ class RealtimeQueueDriver(Driver):
         if self._depth.at_rest(self._settling):
             return self._over()
         if self._depth.stuck:
-            return self._refuse("the controller takes no points from its queue any more")
+            return self._refuse(
+                "the controller takes no points from its queue any more: the arm was stopped by "
+                "another program, or an error has ended realtime mode"
+            )
         return self._follows(0)
 
     def _more(self, count: int) -> list[bytes]:

@@ -96,3 +96,5 @@ def test_a_file_that_cannot_be_read_or_written_is_an_error(tmp_path: Path) -> No
         WaypointFile(TEXT).save(tmp_path / "no" / "cell.toml")
     with pytest.raises(aioduco.ParameterError, match="one line"):
         WaypointFile(TEXT).add("two\nlines", Joints(0, 0, 0, 0, 0, 0))
+    with pytest.raises(aioduco.ParameterError, match="arm"):
+        WaypointFile.new(arm=5)  # type: ignore[arg-type]  # what is tested
