@@ -142,6 +142,12 @@ class StartedCall(Generic[T]):
         """Wait for the end."""
         with trial.waiting() as self._waited:
             self.over.wait(lambda: not self._runner.running)
+        if self._runner.in_forked_child:  # a handler of a signal forked: the parent has the call
+            self.error = WrongProcess(
+                "the call goes on in the process that forked this one, to which the robot belongs; "
+                "this one sent nothing. Open another robot in this process"
+            )
+            return
         # handed over when the loop had run for the last time
         self.begin(None)
 
@@ -178,7 +184,8 @@ class Runner:
         self._calls = BackgroundTasks(crashed=lambda _: None)
         #: whether no call begins any more, and those that still run end
         self.closing: bool = False
-        self._in_forked_child = False
+        #: whether this is a forked child, where the loop's thread does not run
+        self.in_forked_child: bool = False
         fork_hooks.add(self)
         self._ready = Latch()
         # Not the thread's own: Python 3.11 takes an interrupt of `is_alive` or `join` for its end.
@@ -191,7 +198,7 @@ class Runner:
     @property
     def running(self) -> bool:
         """Whether the loop runs, or is about to."""
-        started = self._thread.ident is not None and not self._in_forked_child
+        started = self._thread.ident is not None and not self.in_forked_child
         return started and not self._ended.is_set()
 
     def open(self) -> None:
@@ -301,7 +308,7 @@ class Runner:
         return task in self._stopped_unheld
 
     def _hand_over(self, call: StartedCall[T], work: Coroutine[Any, Any, T]) -> None:
-        if self._in_forked_child:
+        if self.in_forked_child:
             work.close()
             raise WrongProcess(
                 "refused, since the robot belongs to the process that forked this one; nothing was "
@@ -332,7 +339,7 @@ class Runner:
     def _cancel_call(
         self, call: StartedCall[T], undo: Callable[[T], Coroutine[Any, Any, object]] | None
     ) -> None:
-        if self._in_forked_child or threading.get_ident() == self._thread.ident:
+        if self.in_forked_child or threading.get_ident() == self._thread.ident:
             return
         undoing: list[StartedCall[object]] = []
 
@@ -351,7 +358,7 @@ class Runner:
 
     def forked(self) -> None:
         """In a forked child, where the loop's thread does not run: refuse all calls."""
-        self._in_forked_child = True
+        self.in_forked_child = True
 
     # The methods below run on the loop.
 

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from unittest.mock import Mock
 
+import anyio
 import pytest
 from api.desk import Desk
 from interpreter import python
@@ -73,6 +74,18 @@ def test_a_forked_child_is_refused_and_leaves_its_parents_robot_alone(desk: Desk
     done = python("-W", "ignore", "-c", FORKING, desk.host, str(desk.port), timeout=30.0)
     assert (done.returncode, done.stdout, done.stderr) == (0, "finished\n", "")
     assert desk.commands == ["movej2"]
+
+
+def test_a_call_that_was_under_way_at_a_fork_ends_without_an_answer_in_the_child(
+    robot: Robot,
+) -> None:
+    """A handler of a signal may fork while its thread waits: only the parent has the loop."""
+    runner = robot._runner
+    call = runner.start(anyio.sleep_forever())
+    runner.forked()
+    call.wait()
+    runner.in_forked_child = False  # this is the parent after all, and closes the robot
+    assert isinstance(call.error, aioduco.WrongProcess)
 
 
 def test_closing_stops_what_moves(desk: Desk) -> None:
