@@ -3,26 +3,31 @@
 `threading.Event` has a lock that an interrupt of `set` may leave held: Ctrl-C raises between any
 two instructions of the main thread. Each later `set` would then wait for that lock for ever; and a
 stop, or the closing of a robot, which an interrupt only makes begin anew, would hang in it, however
-often Ctrl-C is pressed.
+often Ctrl-C is pressed. `queue.SimpleQueue` has no such lock, but before Python 3.13 its `get`
+loses its limit if a signal's handler returns after the timeout.
 """
 
 from __future__ import annotations
 
-from queue import Empty, SimpleQueue
+import contextlib
+import threading
 
 
 class Wakeup:
     """Wakes one thread; one that does not wait yet is woken when it will."""
 
     def __init__(self) -> None:
-        self._queue: SimpleQueue[None] = SimpleQueue()
+        self._unset = threading.Lock()  # held until it is set
+        self._unset.acquire()
 
     def set(self) -> None:
         """Wake the thread; from any thread or signal handler, without waiting."""
-        self._queue.put(None)
+        if self._unset.locked():
+            with contextlib.suppress(RuntimeError):  # another thread was faster
+                self._unset.release()
 
     def wait(self, timeout: float) -> bool:
-        """Wait until this is set, each time it is.
+        """Wait until this is set, and make it ready to be set again.
 
         Args:
             timeout: seconds to wait at most.
@@ -30,8 +35,4 @@ class Wakeup:
         Returns:
             Whether it was set.
         """
-        try:
-            self._queue.get(timeout=timeout)
-        except Empty:
-            return False
-        return True
+        return self._unset.acquire(timeout=max(timeout, 0.0))

@@ -13,10 +13,10 @@ import threading
 import time
 from collections import deque
 from dataclasses import dataclass
-from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from aioduco._process import trial
+from aioduco._process.wakeup import Wakeup
 from aioduco._wire.failures import resource_error
 from aioduco.errors import ConnectError, ParameterError
 from aioduco.models.address import host_alone
@@ -69,12 +69,9 @@ class Lookup:
 
     def wait(self, deadline: float) -> None:
         """Block until it is over, or until the deadline [s of `time.monotonic`]."""
-        answered: SimpleQueue[None] = SimpleQueue()
-        self.when_over(lambda: answered.put(None))
-        try:
-            answered.get(timeout=max(0.0, deadline - time.monotonic()))
-        except Empty:
-            return
+        answered = Wakeup()
+        self.when_over(answered.set)
+        answered.wait(deadline - time.monotonic())
 
     def addresses(self) -> list[Address]:
         """Return the addresses.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import itertools
+import signal
 import sys
 import threading
 from pathlib import Path
@@ -62,6 +63,22 @@ def test_it_is_taken_once_for_each_time_it_is_set() -> None:
     wakeup.set()
     assert wakeup.wait(0.0)
     assert not wakeup.wait(0.0)
+
+
+@pytest.mark.linux("signal.setitimer")
+def test_a_signals_handler_that_outlasts_the_wait_does_not_prolong_it() -> None:
+    wakeup = Wakeup()
+    rescue = threading.Timer(30.0, wakeup.set)
+    rescue.start()
+    handled = signal.signal(signal.SIGALRM, lambda *_: Wakeup().wait(0.4))
+    signal.setitimer(signal.ITIMER_REAL, 0.05)
+    try:
+        assert not wakeup.wait(0.3)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, handled)
+        rescue.cancel()
+        rescue.join()
 
 
 @pytest.mark.parametrize(
