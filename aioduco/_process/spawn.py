@@ -202,6 +202,7 @@ class _StderrCapture:
     """
 
     def __init__(self) -> None:
+        self._owner = os.getpid()
         self._file: Path | None = None
         if has_memory_files():
             self.descriptor = os.memfd_create("aioduco-process")
@@ -219,9 +220,9 @@ class _StderrCapture:
         return self._file.read_bytes()[-_TAIL_BYTES:]
 
     def close(self) -> None:
-        """Close it, and delete its content."""
+        """Close it, and delete its content; in a forked child, only its copy."""
         os.close(self.descriptor)
-        if self._file is not None:
+        if self._file is not None and self._owner == os.getpid():
             # Windows does not delete it while the process that writes it runs
             with contextlib.suppress(OSError):
                 self._file.unlink()
