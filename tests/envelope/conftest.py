@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import AsyncIterator, Iterator
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
@@ -61,6 +62,19 @@ async def stand(robot: aioduco.Robot, *q: float) -> None:
     await robot.stop()
     await robot.motion.movej2(q, v=3.9, a=40.0)
     robot.envelope = kept
+
+
+@contextmanager
+def standing_time(sim: Simulator) -> Iterator[None]:
+    """A block in which no simulated time passes.
+
+    So a motion comes before the one that it follows has ended, however busy the machine is.
+    """
+    sim.lock_time()
+    try:
+        yield
+    finally:
+        sim.unlock_time()
 
 
 def wall(off: float = 0.1, action: Action = "refuse", speed: float = 0.1) -> Zone:

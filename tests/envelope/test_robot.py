@@ -17,6 +17,7 @@ import aioduco
 import aioduco.sync
 from aioduco import (
     EnvelopeViolated,
+    Outcome,
     Pose,
     StaleState,
     StreamLeavesEnvelope,
@@ -49,7 +50,18 @@ from aioduco.supervision.events import EnvelopeLeft, EnvelopeUnwatched, Event
 from aioduco.supervision.state_feed import Subscription
 from aioduco.testing import FaultProxy, HalfOpen, eventually_async
 
-from .conftest import AT, FLAT, SPEED, START, THREAD, fastest, stand, turned, wall
+from .conftest import (
+    AT,
+    FLAT,
+    SPEED,
+    START,
+    THREAD,
+    fastest,
+    stand,
+    standing_time,
+    turned,
+    wall,
+)
 from .trials import ARM, LAG, Seen, least, margins
 
 TOOL = Pose(0, 0, 0, 0, 0, 0)
@@ -214,65 +226,71 @@ async def before_a_corner(
 
 
 @pytest.mark.slow
-async def test_the_corner_that_a_blend_cuts_is_checked(robot: aioduco.Robot) -> None:
+async def test_the_corner_that_a_blend_cuts_is_checked(
+    robot: aioduco.Robot, sim: Simulator
+) -> None:
     here, corner, end = await before_a_corner(robot)
-    with pytest.raises(EnvelopeViolated, match="'edge'"):
-        await robot.motion.run(
-            robot.motion.movel(corner, v=0.5, a=2.0, r=0.15), robot.motion.movel(end, v=0.5, a=2.0)
-        )
+    with standing_time(sim):
+        await robot.motion.movel(corner, v=0.5, a=2.0, r=0.15).start()
+        with pytest.raises(EnvelopeViolated, match="'edge'"):
+            await robot.motion.movel(end, v=0.5, a=2.0).start()
+    await robot.stop()
     await robot.motion.movel(here, v=1.0, a=5.0)
-    outcomes = await robot.motion.run(
-        robot.motion.movel(corner, v=0.5, a=2.0, r=0.03), robot.motion.movel(end, v=0.5, a=2.0)
-    )
-    assert len(outcomes) == 2
+    with standing_time(sim):
+        await robot.motion.movel(corner, v=0.5, a=2.0, r=0.03).start()
+        blended = await robot.motion.movel(end, v=0.5, a=2.0).start()
+    await blended
     await robot.motion.movel(here, v=1.0, a=5.0)
-    with pytest.raises(EnvelopeViolated, match="'edge'"):  # percent of an unknown radius
-        await robot.motion.run(
-            robot.motion.movej_pose(corner, v=10, a=10, r=1), robot.motion.movel(end, v=0.5, a=2.0)
-        )
+    with standing_time(sim):
+        await robot.motion.movej_pose(corner, v=10, a=10, r=1).start()
+        with pytest.raises(EnvelopeViolated, match="'edge'"):  # percent of an unknown radius
+            await robot.motion.movel(end, v=0.5, a=2.0).start()
 
 
 async def test_a_corner_is_checked_between_its_chords_and_as_the_joints_turn(
-    robot: aioduco.Robot,
+    robot: aioduco.Robot, sim: Simulator
 ) -> None:
     post = Zone.sphere((0.180, 0.470, 0.455), 0.013, bodies=("tool",), name="post")
     robot.envelope = Envelope("gcr5_910", post)
     up = (1.2, -1.0, *START[2:])
-    with pytest.raises(EnvelopeViolated, match="'post'"):  # its blend leads through the middle
-        await robot.motion.run(
-            robot.motion.movej2(turned(1.2), v=1.0, a=5.0, r=0.25),
-            robot.motion.movej2(up, v=1.0, a=5.0),
-        )
+    with standing_time(sim):
+        await robot.motion.movej2(turned(1.2), v=1.0, a=5.0, r=0.25).start()
+        with pytest.raises(EnvelopeViolated, match="'post'"):  # its blend leads through the middle
+            await robot.motion.movej2(up, v=1.0, a=5.0).start()
 
 
 @pytest.mark.slow
 async def test_a_corner_through_a_zone_that_slows_is_gone_through_slowly(
-    robot: aioduco.Robot, seen: Seen
+    robot: aioduco.Robot, sim: Simulator, seen: Seen
 ) -> None:
     here, corner, end = await before_a_corner(robot, "slow")
-    with pytest.raises(EnvelopeViolated, match=r"'edge'.*must be slow"):
-        await robot.motion.run(
-            robot.motion.movel(corner, v=0.5, a=2.0, r=0.15), robot.motion.movel(end, v=0.5, a=2.0)
-        )
+    with standing_time(sim):
+        await robot.motion.movel(corner, v=0.5, a=2.0, r=0.15).start()
+        with pytest.raises(EnvelopeViolated, match=r"'edge'.*must be slow"):
+            await robot.motion.movel(end, v=0.5, a=2.0).start()
+    await robot.stop()
     await robot.motion.movel(here, v=1.0, a=5.0)
     seen.clear()
-    await robot.motion.run(
-        robot.motion.movel(corner, v=0.1, a=2.0, r=0.15), robot.motion.movel(end, v=0.5, a=2.0)
-    )
+    with standing_time(sim):
+        first = await robot.motion.movel(corner, v=0.1, a=2.0, r=0.15).start()
+        last = await robot.motion.movel(end, v=0.5, a=2.0).start()
+    await last
+    assert first.outcome is Outcome.BLENDED
     assert fastest(seen) <= 0.1 * 1.05
 
 
 async def test_a_corner_of_joint_motions_that_is_too_fast_in_a_zone_that_slows_ends_in_a_stop(
-    robot: aioduco.Robot, seen: Seen
+    robot: aioduco.Robot, sim: Simulator, seen: Seen
 ) -> None:
     """Each motion alone is slow enough; how fast the tool is while it does both is not known."""
     robot.envelope = Envelope("gcr5_910", wall(-1.0, "slow", 0.1))
     lift = (0.0, -0.4, *START[2:])
     bend = (0.0, -0.4, START[2], 1.0, *START[4:])
+    with standing_time(sim):
+        await robot.motion.movej2(lift, v=1.0, a=5.0, r=0.08).start()
+        last = await robot.motion.movej2(bend, v=1.0, a=5.0).start()
     with pytest.raises(TaskStopped) as caught:
-        await robot.motion.run(
-            robot.motion.movej2(lift, v=1.0, a=5.0, r=0.08), robot.motion.movej2(bend, v=1.0, a=5.0)
-        )
+        await last
     assert isinstance(caught.value.__cause__, EnvelopeViolated)
 
 
