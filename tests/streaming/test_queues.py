@@ -272,18 +272,47 @@ async def test_where_nothing_was_sent_that_moves_the_arm_nothing_is_stopped(
     assert not controller.server.received("stop")
 
 
+OLDER = ["an older one"]
+
+
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    ("then", "error", "said"),
+    [
+        ({}, StreamStopped, r"reports no error: .*another program, or a person, has stopped"),
+        (
+            {"get_last_error": [*OLDER, "no data for 0.02 s"]},
+            StreamRefused,
+            r"takes no points.*error list: no data for 0\.02 s",
+        ),
+        ({"get_robot_state": [6, 0, 7, 1]}, StreamRefused, "takes no points"),
+        ({"get_robot_state": []}, StreamRefused, "takes no points.*was stopped .*or an error"),
+    ],
+    ids=["stopped", "an error", "a safety stop", "no states"],
+)
+@pytest.mark.parametrize("closed", [False, True], ids=["in full course", "after the last point"])
 async def test_a_queue_from_which_nothing_is_taken_any_more_ends_the_stream(
-    controller: Controller, queue: Cycles
+    controller: Controller,
+    queue: Cycles,
+    then: dict[str, Any],
+    error: type[StreamError],
+    said: str,
+    *,
+    closed: bool,
 ) -> None:
-    """The controller has left realtime mode by itself, and only its error list says why."""
-    errors = ["an older one", "no data for 0.02 s"]
-    controller.server.answer("get_last_error", errors)
-    opened = of_positions(controller, options=dataclasses.replace(THREAD, timeout=3.0))
-    full = at(100, lambda: controller.server.answer("get_realtime_data_queue_size", 40))
-    with pytest.raises(StreamRefused, match=r"takes no points.*error list: no data for 0\.02 s"):
-        await fed(opened, full)
-    assert controller.names()[-3:] == ["end_realtime_mode", "stop", "clear_realtime_data_queue"]
+    """The controller has left realtime mode by itself, and only what it reports says why."""
+    controller.server.answer("get_last_error", OLDER)
+    opened = of_positions(controller, options=dataclasses.replace(THREAD, timeout=2.0))
+
+    def full() -> None:
+        answer_all(controller.server, {"get_realtime_data_queue_size": 40, **then})
+
+    points = [HERE] * 50 if closed else at(100, full)
+    with pytest.raises(error, match=said):
+        await fed(opened, points, full if closed else None)
+    others = [] if error is StreamStopped else ["stop"]  # who has stopped it may move it by now
+    ended = ["end_realtime_mode", *others, "clear_realtime_data_queue"]
+    assert controller.names()[-len(ended) :] == ended
 
 
 async def test_an_arm_that_is_disabled_while_it_comes_to_rest_is_told(

@@ -12,14 +12,15 @@ from enum import Enum, auto
 from typing import TYPE_CHECKING, Any
 
 from aioduco._wire.rpc import Op, PointOp, RealTimeControlData
-from aioduco.models.enums import TaskState
+from aioduco.errors import ControllerError
+from aioduco.models.enums import SafetyState, TaskState
 from aioduco.streaming.shared.space import read_six, too_far
 from aioduco.streaming.shared.words import ControlWord, Reason, StatusWord, StreamState
 from aioduco.streaming.worker.driver import Driver
 from aioduco.streaming.worker.encoding import Batch
 from aioduco.streaming.worker.life import Life
 from aioduco.streaming.worker.setpoints import SetpointFeed
-from aioduco.streaming.worker.watch import ended, refused
+from aioduco.streaming.worker.watch import disabled, ended, refused
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -212,6 +213,8 @@ class RealtimeQueueDriver(Driver):
         self._depths = block.histograms["depth"].record
         self._running = False
         self._last = b""
+        #: the controller's error list before realtime mode; None: it does not report one
+        self._errors: list[str] | None = None
 
     @property
     def state(self) -> StreamState:
@@ -241,6 +244,7 @@ class RealtimeQueueDriver(Driver):
         if first is None:
             return self.life.state < StreamState.ENDED
         self._last = self._batch.element(self._feed.wire(first))
+        self._errors = self._read_errors()
         if not self._accepted("clear_realtime_data_queue", ()):
             return False
         if not self._enqueue([rest] * (self._queue.high - 1) + [self._last]):
@@ -263,11 +267,36 @@ class RealtimeQueueDriver(Driver):
         if self._depth.at_rest(self._settling):
             return self._over()
         if self._depth.stuck:
-            return self._refuse(
-                "the controller takes no points from its queue any more: the arm was stopped by "
-                "another program, or an error has ended realtime mode"
-            )
+            return self._stuck()
         return self._follows(0)
+
+    def _stuck(self) -> bool:
+        """End: the controller has left realtime mode by itself.
+
+        A stop is no error. If the state and the error list say that there is none, it was a stop.
+        """
+        text = "the controller takes no points from its queue any more"
+        states = self._connection.call("get_robot_state", (), self._timeout)
+        reason, why = disabled(states)
+        if reason:
+            return self._finish(reason, f"{text}: {why}")
+        safe = states[2:3] in ([SafetyState.RUN], [SafetyState.REDUCE])
+        if safe and self._errors is not None and self._errors == self._read_errors():
+            return self._finish(
+                Reason.STOPPED,
+                f"{text}, and reports no error: another program, or a person, has stopped the arm",
+            )
+        return self._refuse(
+            f"{text}: the arm was stopped by another program, or an error has ended realtime mode"
+        )
+
+    def _read_errors(self) -> list[str] | None:
+        """Read the controller's error list; None if it does not report one."""
+        try:
+            found: list[str] = self._connection.call("get_last_error", (), self._timeout)
+        except ControllerError:
+            return None
+        return found
 
     def _more(self, count: int) -> list[bytes]:
         """The next points; after the last one, points at which the arm rests."""
