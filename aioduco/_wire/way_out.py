@@ -25,6 +25,9 @@ WAY_OUT: Final = (
     *("end_teach_mode", "speed_stop", "stop_manual_move", "fc_stop"),
     *("end_realtime_mode", "clear_realtime_data_queue"),
 )
+#: what empties the queue of a mode after the call that ends it, which is carried out or refused:
+#: who starts the mode again would begin with what is left. Before it, the arm would miss points
+EMPTIES: Final = {"end_realtime_mode": "clear_realtime_data_queue"}
 
 
 def prepare(names: Iterable[str]) -> None:

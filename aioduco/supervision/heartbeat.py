@@ -36,6 +36,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from aioduco._process.platform import boot_time
 from aioduco._process.reporting import BackgroundLogger
 from aioduco._process.wakeup import Wakeup
+from aioduco._wire.way_out import EMPTIES
 from aioduco.errors import DucoError
 
 if TYPE_CHECKING:
@@ -314,11 +315,14 @@ class Heartbeat:
     def _stop_stalled(self) -> None:
         """Stop the arm at once if the event loop hangs; the missing beats would stop it later.
 
-        The modes that a stop leaves on, such as hand guiding, are ended: the program cannot.
+        The modes that a stop leaves on, such as hand guiding, are ended, and their queues emptied:
+        the program cannot.
         """
         if not self._liveness.moves or self.lapsed:
             return
-        for name, args in (("stop", (False,)), *self._liveness.modes):
+        modes = self._liveness.modes
+        emptied = [(EMPTIES[name], ()) for name, _ in modes if name in EMPTIES]
+        for name, args in (("stop", (False,)), *modes, *emptied):
             try:
                 self._own.call(name, tuple(args), self._machine.every)
             except DucoError as exc:

@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import anyio
 
 from aioduco._process.reporting import BackgroundLogger
+from aioduco._wire.way_out import EMPTIES
 from aioduco.errors import ControllerError, DucoError, Refused, RobotStateError
 from aioduco.models.enums import TaskState
 
@@ -48,8 +49,6 @@ ModeEnding: TypeAlias = "tuple[str, tuple[bool, ...]]"
 
 #: seconds within which a mode must be left after a stop
 _LEAVE_LIMIT = 0.5
-#: ends realtime mode, and empties its queue: who starts it again would begin with what is left
-_REALTIME = ("end_realtime_mode", "clear_realtime_data_queue")
 #: ends the "mode" in which points of this program are in the track pool
 TRACK_POOL = "trackClearQueue"
 
@@ -203,11 +202,19 @@ class Modes:
                     self.over(name)
 
     async def _end(self, name: str, args: tuple[bool, ...]) -> None:
-        answer = await self._channel.control(name, args, _LEAVE_LIMIT)
+        try:
+            answer = await self._channel.control(name, args, _LEAVE_LIMIT)
+        except (ControllerError, Refused):
+            await self._empty(name)
+            raise
         if name == TRACK_POOL and answer != TaskState.FINISHED:
             raise Refused(name, answer, "the points of this program may still be in the pool")
-        if name == _REALTIME[0]:
-            await self._channel.control(_REALTIME[1], (), _LEAVE_LIMIT)
+        await self._empty(name)
+
+    async def _empty(self, name: str) -> None:
+        """Empty the queue of a mode that is off, if it has one."""
+        if name in EMPTIES:
+            await self._channel.control(EMPTIES[name], (), _LEAVE_LIMIT)
 
     async def end_force_control(
         self, timeout: float, follow: Callable[[str, int, float], Awaitable[object]]

@@ -12,7 +12,7 @@ from moments import cancelled_once
 
 import aioduco
 from aioduco import HeartbeatState, ProgramState, RealtimeMode, RealtimePoint, TaskState
-from aioduco.testing import Cut, FaultProxy, Place, eventually_async
+from aioduco.testing import ApplicationError, Cut, FaultProxy, Place, eventually_async
 from api.desk import Desk
 
 
@@ -247,6 +247,19 @@ async def test_cancelling_the_start_of_realtime_mode_stops_the_arm(
         gate.set()  # the stop must not overtake what is under way
     assert tg.cancel_scope.cancelled_caught
     assert realtime.commands[1:3] == ["stop", "end_realtime_mode"]
+
+
+@pytest.mark.parametrize(
+    "refusal", [-1, ApplicationError(6, "no such mode is on")], ids=["-1", "error"]
+)
+async def test_a_stop_empties_the_queue_of_a_mode_whose_end_is_refused(
+    robot: aioduco.Robot, realtime: Desk, refusal: object
+) -> None:
+    """The mode is off then, and who starts it again would begin with what is left."""
+    await robot.realtime.start_realtime_mode(RealtimeMode.TWIST)
+    realtime.answer("end_realtime_mode", refusal)
+    await robot.stop()
+    assert realtime.commands == ["start_realtime_mode", "stop", *ENDED, "stop"]
 
 
 async def test_realtime_mode_that_cannot_be_ended_becomes_a_stop(

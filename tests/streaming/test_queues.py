@@ -35,7 +35,13 @@ from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.streaming.shared.words import Reason, StreamState
 from aioduco.streaming.stream import Stream
 from aioduco.streaming.worker import driver
-from aioduco.testing import RecordingServer, eventually, eventually_async, no_leaks
+from aioduco.testing import (
+    ApplicationError,
+    RecordingServer,
+    eventually,
+    eventually_async,
+    no_leaks,
+)
 
 from .conftest import HERE, Controller, Cycles, answer_all, at, fed, near
 
@@ -245,6 +251,16 @@ async def test_starving_ends_in_rest_then_the_mode_then_a_stop(
 async def test_a_halt_leaves_realtime_mode_and_sends_no_stop(
     controller: Controller, queue: Cycles
 ) -> None:
+    opened = of_positions(controller)
+    with pytest.raises(StreamStopped):
+        await fed(opened, [HERE], opened.halt)
+    assert controller.names()[-2:] == ENDED
+
+
+async def test_the_queue_of_a_mode_whose_end_is_refused_is_emptied(
+    controller: Controller, queue: Cycles
+) -> None:
+    controller.server.answer("end_realtime_mode", ApplicationError(6, "no such mode is on"))
     opened = of_positions(controller)
     with pytest.raises(StreamStopped):
         await fed(opened, [HERE], opened.halt)

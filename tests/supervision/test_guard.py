@@ -38,7 +38,14 @@ from aioduco.supervision.guard.messages import (
     unpack,
 )
 from aioduco.supervision.settings import GuardKind
-from aioduco.testing import Cut, FaultProxy, Place, eventually, eventually_async
+from aioduco.testing import (
+    ApplicationError,
+    Cut,
+    FaultProxy,
+    Place,
+    eventually,
+    eventually_async,
+)
 
 from .test_heartbeat import state
 
@@ -316,6 +323,30 @@ async def test_a_hung_loop_has_its_hand_guiding_ended(
             await robot.motion.teach_mode().start()
             eventually(lambda: not desk.going_on)  # the loop does not run
             assert desk.commands == ["teach_mode", "stop", "end_teach_mode"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "end", [4, ApplicationError(6, "no such mode is on")], ids=["ended", "refused"]
+)
+@pytest.mark.parametrize(
+    ("guard", "heartbeat"), [(None, 60.0), ("process", 60.0), ("process", None)], ids=str
+)
+async def test_a_hung_loop_has_its_realtime_queue_emptied(
+    guard: GuardKind | None, heartbeat: float | None, end: object
+) -> None:
+    """Who starts the mode next would begin with what is left."""
+    ended = ["end_realtime_mode", "clear_realtime_data_queue"]
+    with Desk() as desk:
+        for name in ("stop", "start_realtime_mode", ended[1]):
+            desk.answer(name, 4)
+        desk.answer(ended[0], end)
+        async with aioduco.connect(
+            desk.host, desk.port, guard=guard, heartbeat=heartbeat, loop_stall_limit=2.0
+        ) as robot:
+            await robot.realtime.start_realtime_mode(aioduco.RealtimeMode.TWIST)
+            eventually(lambda: ended[1] in desk.commands)  # the loop does not run
+            assert desk.commands == ["start_realtime_mode", "stop", *ended]
 
 
 async def test_an_unknown_controller_is_told_as_without_a_guard() -> None:

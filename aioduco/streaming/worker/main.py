@@ -200,8 +200,8 @@ class StreamWorker:
                 continue
             if name == sent.ending and answer >= 0 and not (pool and refused(answer)):
                 status[StatusWord.MODE] = 0
-        if sent.kind == "queue" and not status[StatusWord.MODE]:
-            # whoever starts the mode again would begin with what is left
+        if sent.kind == "queue" and isinstance(error, ControllerError | None):
+            # whoever starts the mode again would begin with what is left; so if its end is refused
             with contextlib.suppress(DucoError):
                 own.call("clear_realtime_data_queue", (), self._timeout)
         if error is not None:
