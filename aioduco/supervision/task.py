@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import time
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import anyio
@@ -31,6 +33,9 @@ if TYPE_CHECKING:
 
 
 _log = BackgroundLogger(__name__)
+
+#: seconds without a failure like it after which one of which nothing has asked is the first again
+_ROW = 10.0
 
 #: what happens to a motion when its await is cancelled
 OnCancel = Literal["stop", "pause", "detach"]
@@ -179,16 +184,32 @@ class Task(Uncopied):
         self._ended = anyio.Event()
         self._changed = anyio.Event()
         self._states = [self.life.state]
+        #: of the robot's failed motions of which nothing has asked how they ended, by function and
+        #: outcome: how many there were in a row, and when the last was discarded
+        self.unasked: dict[tuple[str, Outcome], tuple[int, float]] = {}
         #: whether its outcome was asked for
         self._asked = False
 
     def __del__(self) -> None:
         untold = not getattr(self, "_asked", True) and self.motion
         if untold and (outcome := self.life.outcome) in _FAILURES:
-            _log.warning(
-                "%s; nothing has asked how it ended: wait for it, or read its outcome",
-                task_error(self.name, self.id, outcome, self._errors),
-            )
+            self._log_unasked(outcome)
+
+    def _log_unasked(self, outcome: Outcome) -> None:
+        """Log that it failed; of many in a row the first, the second, the fourth and so on."""
+        now, kind = time.monotonic(), (self.name, outcome)
+        before, last = self.unasked.get(kind, (0, -math.inf))
+        number = before + 1 if now - last <= _ROW else 1
+        self.unasked[kind] = number, now
+        if number & (number - 1):
+            return  # no power of two
+        _log.warning(
+            "%s; nothing has asked how it ended: wait for it, or read its outcome%s",
+            task_error(self.name, self.id, outcome, self._errors),
+            f" (number {number} in a row; the next that is logged is {2 * number})"
+            if number > 1
+            else "",
+        )
 
     def __repr__(self) -> str:
         end = f" {self.life.outcome.value}" if self.life.outcome and self.done else ""

@@ -159,6 +159,8 @@ class TaskFollower:
         self._list_due = False
         #: number of commands that were told it
         self._told = 0
+        #: of failed motions of which nothing has asked how they ended: see `Task.unasked`
+        self._unasked: dict[tuple[str, Outcome], tuple[int, float]] = {}
         self.polls: int = 0
         self.observers: list[Callable[[Task], object]] = []
 
@@ -174,6 +176,7 @@ class TaskFollower:
 
     def follow(self, task: Task) -> None:
         """Follow a task from now on."""
+        task.unasked = self._unasked
         if self._closed:
             now = time.monotonic()
             task.life.mark_lost()

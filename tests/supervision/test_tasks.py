@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import gc
+import math
 import re
 import warnings
 import weakref
@@ -118,6 +119,35 @@ async def test_a_failure_that_was_read_is_not_logged(
     bench.ends = TaskState.ERROR
     await forgotten(bench, attrgetter(name), None)
     assert "nothing has asked" not in caplog.text
+
+
+@pytest.mark.parametrize(
+    ("row", "numbers"), [(math.inf, ["", "2", "4", "8"]), (-1.0, [""] * 10)], ids=["row", "apart"]
+)
+async def test_of_many_failures_that_nobody_asks_about_few_are_logged(
+    bench: Bench,
+    caplog: pytest.LogCaptureFixture,
+    monkeypatch: pytest.MonkeyPatch,
+    row: float,
+    numbers: list[str],
+) -> None:
+    """A loop of set-points that the controller does not carry out would fill the log."""
+    monkeypatch.setattr("aioduco.supervision.task._ROW", row)
+    bench.ends, bench.motion_time = TaskState.ILLEGAL, 0.0
+
+    async def forget() -> list[weakref.ref[Task]]:
+        started: list[weakref.ref[Task]] = []
+        async with aioduco.connect(bench.host, bench.port) as robot:
+            for _ in range(10):
+                started.append(weakref.ref(await robot.motion.movej2(HOME, v=1.0, a=1.0).start()))
+                await eventually_async(lambda: not robot.tasks)
+        return started
+
+    tasks = await forget()
+    await eventually_async(lambda: gc.collect() >= 0 and not any(task() for task in tasks))
+    assert reporter.flush()
+    said = re.findall(rf"{UNASKED} its outcome(?: \(number (\d+) in a row)?", caplog.text)
+    assert said == numbers
 
 
 async def test_a_motion_that_the_controller_refuses(robot: aioduco.Robot, bench: Bench) -> None:
