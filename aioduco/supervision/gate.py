@@ -117,6 +117,7 @@ class Gate:
         lease: time until which the controller does not stop the arm for want of a beat; inf: for
             ever.
         resumed: whether a motion that this program resumed may be moving the arm.
+        paused: whether this program has paused the arm last, and not stopped or resumed it since.
     """
 
     def __init__(
@@ -144,6 +145,7 @@ class Gate:
         self.unconfirmed: bool = False
         self.lease: float = math.inf if heartbeat is None else -math.inf
         self.resumed: bool = False
+        self.paused: bool = False
 
     def __repr__(self) -> str:
         state = (
@@ -286,6 +288,8 @@ class Gate:
         """End all permits, from any thread."""
         if ending in (PermitEnding.STOPPED, PermitEnding.ENVELOPE):
             self.stops += 1
+        if ending.stops:
+            self.paused = ending is PermitEnding.PAUSED
         epoch, self._epoch = self._epoch, _Epoch()
         epoch.ending = ending
         if ending is not PermitEnding.PAUSED:
@@ -359,7 +363,7 @@ class Gate:
 
     def resume(self) -> None:
         """Note that this program makes the arm move without a task that it follows."""
-        self.resumed = True
+        self.resumed, self.paused = True, False
         self._standing_since = None
 
     def seen(self, now: float, *, standing: bool) -> None:

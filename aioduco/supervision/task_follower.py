@@ -159,6 +159,8 @@ class TaskFollower:
         self._list_due = False
         #: number of commands that were told it
         self._told = 0
+        #: whether the task that changed its state last is paused
+        self._paused = False
         #: of failed motions of which nothing has asked how they ended: see `Task.unasked`
         self._unasked: dict[tuple[str, Outcome], tuple[int, float]] = {}
         self.polls: int = 0
@@ -508,7 +510,19 @@ class TaskFollower:
         if state is None:
             task.life.mark_lost()
         elif task._observed(state, now):
+            self._note_pause(task)
             tell(self.observers, task)
+
+    def _note_pause(self, task: Task) -> None:
+        """Log, once for each pause, that a motion waits because of somebody else."""
+        before, self._paused = self._paused, task.life.state is TaskState.PAUSED
+        if self._paused and not before and not self._arm.permits.gate.paused:
+            _log.warning(
+                "%r waits, though robot.pause() was not called: a person or another program has "
+                "paused it. robot.resume() goes on, as does `aioduco resume`; robot.stop() ends "
+                "it, as does `aioduco stop`",
+                task,
+            )
 
     async def _end(self, task: Task) -> None:
         self._due.pop(task, None)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import re
 import sys
 import time
 from typing import Any
@@ -13,7 +14,8 @@ from client.bench import HOME, Bench, under_way
 from moments import on_another_thread
 
 import aioduco
-from aioduco import Outcome
+from aioduco import Outcome, TaskState
+from aioduco._process.reporting import reporter
 from aioduco._wire.deadline_socket import DeadlineSocket
 from aioduco._wire.lane import WireLane
 from aioduco.supervision import stop_channel
@@ -328,3 +330,48 @@ async def test_an_awaited_motion_is_few_frames_and_no_task_from_its_send(
     assert senders == [asyncio.current_task()]
     # beside these: `DeadlineSocket.send_at_once` and `nonblocking.send_at_once`
     assert names[::-1] == ["_run", "launch", "_launch", "answered", "send", "send"]
+
+
+# -- paused by others ------------------------------------------------------------------------------
+
+
+async def test_a_motion_that_somebody_else_pauses_is_logged_once_each_time(
+    robot: aioduco.Robot, bench: Bench, caplog: pytest.LogCaptureFixture
+) -> None:
+    """It waits, maybe for hours: a person must find out for what."""
+    follower = robot._supervisor.stop_coordinator.follower
+    bench.motion_time = 60.0
+    task = await under_way(bench, robot)
+
+    async def paused() -> int:
+        """Pause it and look at it for a while; how often the log tells of it then."""
+        bench._pause(True)
+        await eventually_async(lambda: task.state is TaskState.PAUSED)
+        polls = follower.polls
+        await eventually_async(lambda: follower.polls > polls + 5)
+        bench._resume(True)
+        await eventually_async(lambda: task.state is TaskState.RUNNING)
+        assert reporter.flush()
+        said = r"movej2 PAUSED> waits, .*pause\(\) .*`aioduco resume`.*robot\.stop\(\)"
+        return len(re.findall(said, caplog.text))
+
+    assert [await paused(), await paused()] == [1, 2]
+    await robot.stop()
+
+
+async def test_a_pause_by_the_program_itself_is_not_logged(
+    robot: aioduco.Robot, bench: Bench, caplog: pytest.LogCaptureFixture
+) -> None:
+    bench.motion_time = 60.0
+    task = await under_way(bench, robot)
+    await robot.pause()
+    await eventually_async(lambda: task.state is TaskState.PAUSED)
+    await robot.stop()
+    assert reporter.flush()
+    assert "PAUSED" not in caplog.text
+    task = await under_way(bench, robot)
+    bench._pause(True)  # by somebody else, after the program's own pause was over
+    await eventually_async(lambda: task.state is TaskState.PAUSED)
+    assert reporter.flush()
+    assert "PAUSED" in caplog.text
+    await robot.stop()
