@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ipaddress
 import os
 from importlib import import_module
 from typing import TYPE_CHECKING, Annotated
@@ -19,6 +18,7 @@ from aioduco.cli.output import say
 from aioduco.cli.sessions import page_session
 from aioduco.cli.signals import receive_signals
 from aioduco.cli.sim_do import control_port_of
+from aioduco.models.host_port import is_loopback
 
 if TYPE_CHECKING:
     from aioduco.integrations.panel import Panel
@@ -74,7 +74,7 @@ def panel(
     token = "" if watch_only else os.environ.get(_TOKEN)
     if token is not None and not watch_only and len(token) < _SHORTEST:
         raise typer.BadParameter(f"{_TOKEN} has less than {_SHORTEST} characters")
-    if control_port is None and _is_here(address.host):
+    if control_port is None and is_loopback(address.host):
         control_port = control_port_of(address.port) or None
     # All imports run before the event loop: loading would block it.
     from aioduco.integrations.panel import Panel  # noqa: PLC0415
@@ -112,11 +112,3 @@ async def _serve(made: Panel, address: str) -> int:
                 say(f"to command it: {made.link}\ntoken: {made.token}")
             say("Ctrl-C ends it")
             return await anext(aiter(signals))
-
-
-def _is_here(host: str) -> bool:
-    """Whether an address is a loopback address, as a simulator's is by default."""
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return host == "localhost"

@@ -16,7 +16,7 @@ from aioduco import ConnectError, ParameterError
 from aioduco.api.force_stream import ForceStream
 from aioduco.api.status_port import StatusPort
 from aioduco.models.address import host_alone, is_host, parse_address
-from aioduco.models.host_port import host_port
+from aioduco.models.host_port import host_port, is_loopback
 from aioduco.recording.tap import Tap
 
 ROOT = Path(__file__).parents[2] / "aioduco"
@@ -144,3 +144,8 @@ def test_a_port_in_the_host_is_said_to_be_another_argument(
 )
 def test_a_host_alone_is_taken(host: str) -> None:
     assert host_alone(host) == host == aioduco.connect(host).host
+
+
+def test_this_computer_is_known_by_its_numbers_and_its_name() -> None:
+    assert all(map(is_loopback, ("127.0.0.1", "127.8.0.1", "::1", "localhost")))
+    assert not any(map(is_loopback, ("0.0.0.0", "192.168.1.10", "::", "arm.lan", "")))

@@ -13,7 +13,6 @@ from __future__ import annotations
 import asyncio
 import functools
 import http
-import ipaddress
 import itertools
 import json
 import logging
@@ -29,7 +28,7 @@ from websockets.http11 import Request, Response
 
 from aioduco.integrations.panel.page_connection import PageConnection, Waiting, origin_of
 from aioduco.integrations.panel.page_requests import LONGEST
-from aioduco.models.host_port import host_port
+from aioduco.models.host_port import host_port, is_loopback
 from aioduco.models.ranges import LISTEN_PORT
 
 if TYPE_CHECKING:
@@ -234,7 +233,7 @@ class PageServer:
     def _refusal(self, hosts: list[str], origins: list[str]) -> str:
         """Why a request from these `Host` and `Origin` headers is refused; empty if it is not."""
         asked = hosts[0] if len(hosts) == 1 else ""
-        if _is_loopback(self.host) and not _names_loopback(asked):
+        if is_loopback(self.host) and not _names_loopback(asked):
             # A site's name may resolve to this computer, so that the site is taken for this page.
             return "this panel is for its own computer"
         if len(hosts) != 1 or any(origin_of(origin) != asked for origin in origins):
@@ -289,16 +288,9 @@ def _response(status: http.HTTPStatus, body: bytes, kind: str, *, policy: str = 
     return Response(status.value, status.phrase, headers, body)
 
 
-def _is_loopback(host: str) -> bool:
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return host == "localhost"
-
-
 def _names_loopback(asked: str) -> bool:
     try:
         name = urlsplit(f"//{asked}").hostname or ""
     except ValueError:
         return False
-    return _is_loopback(name)
+    return is_loopback(name)
