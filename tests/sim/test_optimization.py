@@ -55,6 +55,7 @@ def test_what_has_no_effect_is_not_checked(robot: Program) -> None:
     assert ends(1.0, 0.0, chosen=True) == [4, 4]
     assert robot.enable_acc_optimization() == TaskState.FINISHED
     assert (ends(1.0, 0.0), ends(0.0, 0.0)) == ([4, 4], [8, 8])
+    assert robot.disable_acc_optimization() == TaskState.FINISHED
     assert robot.enable_speed_optimization() == TaskState.FINISHED
     assert ends(0.0, 0.0) == [4, 4]
 

@@ -128,13 +128,7 @@ class PathSection(HandlerSection):
 
     def _joint_pace(self, call: MotionCall) -> tuple[float, float]:
         """Speed and acceleration of joints, as requested or as the controller chooses them."""
-        speed, change = JOINT_SPEED[1], math.inf
-        fast, steep = self._chosen(call)
-        if not fast:
-            speed = arguments.at_most(self._forgiving, TOO_FAST, "v", call.v, *JOINT_SPEED)
-        if not steep:
-            change = arguments.number("a", call.a, *JOINT_ACCELERATION)
-        return speed, change
+        return self._pace(call, JOINT_SPEED, JOINT_ACCELERATION, math.inf)
 
     def _line_pace(
         self,
@@ -143,19 +137,20 @@ class PathSection(HandlerSection):
         accelerations: Range = _LINE_ACCELERATION,
     ) -> tuple[float, float]:
         """Speed and acceleration of the tool, as requested or as the controller chooses them."""
-        speed, change = speeds[1], _UNLIMITED_ACCELERATION
-        fast, steep = self._chosen(call)
+        return self._pace(call, speeds, accelerations, _UNLIMITED_ACCELERATION)
+
+    def _pace(
+        self, call: MotionCall, speeds: Range, accelerations: Range, steepest: float
+    ) -> tuple[float, float]:
+        """Speed and acceleration within their ranges, or the highest speed and `steepest`."""
+        switches, mode = self._controller.optimization, self._runtime.snapshot.view.mode
+        speed, change = speeds[1], steepest
+        fast = switches.speed and mode is OperationMode.AUTO
         if not fast:
             speed = arguments.at_most(self._forgiving, TOO_FAST, "v", call.v, *speeds)
-        if not steep:
+        if not (fast or switches.acceleration or call.def_acc):
             change = arguments.number("a", call.a, *accelerations)
         return speed, change
-
-    def _chosen(self, call: MotionCall) -> tuple[bool, bool]:
-        """Whether the controller chooses the speed, and whether it chooses the acceleration."""
-        switches, mode = self._controller.optimization, self._runtime.snapshot.view.mode
-        fast = switches.speed and mode is OperationMode.AUTO
-        return fast, fast or switches.acceleration or call.def_acc
 
     def _path_options(self, wobj: str = "") -> PathOptions:
         """Options of paths at a work object, by the settings that are switched on."""
