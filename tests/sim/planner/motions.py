@@ -18,6 +18,13 @@ HOME = np.radians([0, 0, 90, 0, -90, 0])
 CYCLE = 0.001
 
 
+def shifted(q: Array, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Array:
+    """The flange at q, moved in the base frame."""
+    flange = FIVE.fkine(q)
+    flange[:3, 3] += x, y, z
+    return flange
+
+
 def moving(*plans: Callable[[Array], Segment], **options: Any) -> Mover:
     """A mover at home with motions in its queue, of the numbers 1, 2 and so on."""
     mover = Mover(FIVE, HOME, CYCLE, **options)

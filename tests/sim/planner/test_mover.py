@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -24,16 +25,13 @@ from aioduco.sim.planner.mover import Mover, Travel
 from aioduco.sim.planner.path import JointSetPoint, PlanError
 from aioduco.sim.planner.segments import Segment, arc_move, joint_move, line_move
 
-from .motions import CYCLE, FIVE, HOME, moving
+from .motions import CYCLE, FIVE, HOME, moving, shifted
 
 SQUARE = ((0.1, 0.0, 0.0), (0.1, 0.2, 0.0), (-0.1, 0.2, 0.0), (-0.1, 0.2, -0.2))
 
 
-def at(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Array:
-    """The flange at home, moved in the base frame."""
-    flange = FIVE.fkine(HOME)
-    flange[:3, 3] += x, y, z
-    return flange
+#: the flange at home, moved in the base frame
+at = partial(shifted, HOME)
 
 
 def turned(*way: float) -> Array:

@@ -19,16 +19,9 @@ from aioduco.sim.planner.path import Path, PlanError, differentiate
 from aioduco.sim.planner.segments import Segment, arc_move, joint_move, line_move
 from aioduco.sim.planner.timing import backward, fastest
 
-from .motions import FIVE, HOME, trapezoid
+from .motions import FIVE, HOME, shifted, trapezoid
 
 OFFSET = st.floats(-0.12, 0.12)  # the reach ends at 0.15 along all three axes
-
-
-def shifted(q: Array, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Array:
-    """The flange at q, moved in the base frame."""
-    flange = FIVE.fkine(q)
-    flange[:3, 3] += x, y, z
-    return flange
 
 
 def flanges(segment: Segment, count: int = 400) -> Array:
