@@ -138,6 +138,18 @@ def honest(peer: Peer) -> None:
         peer.answer(call)
 
 
+def held(gate: threading.Event, then: Script = honest) -> Script:
+    """Hold the first answer back until the gate is open; go on with another script."""
+
+    def script(peer: Peer) -> None:
+        call = peer.take()
+        assert gate.wait(PATIENCE)
+        peer.answer(call)
+        then(peer)
+
+    return script
+
+
 def silent(peer: Peer) -> None:
     """Take calls, and answer none."""
     while peer.receive() is not None:

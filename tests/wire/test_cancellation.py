@@ -21,25 +21,13 @@ from aioduco.errors import CallTimeout, ConnectError, NotSent, OutcomeUnknown
 from aioduco.testing import eventually_async, no_leaks
 
 from .lanes import SHORT, channel, opened, own_threads
-from .servers import PATIENCE, Peer, Script, ScriptedServer, black_hole, honest, silent
+from .servers import PATIENCE, Peer, ScriptedServer, black_hole, held, honest, silent
 
 
 def doubling(peer: Peer) -> None:
     """Answer each task id by its double."""
     while (call := peer.receive()) is not None:
         peer.answer(call, 2 * call.args[0] if call.name == "get_noneblock_taskstate" else None)
-
-
-def held(gate: threading.Event) -> Script:
-    """The first answer is held back."""
-
-    def script(peer: Peer) -> None:
-        call = peer.take()
-        assert gate.wait(PATIENCE)
-        peer.answer(call)
-        doubling(peer)
-
-    return script
 
 
 def start(call: Coroutine[Any, Any, Any]) -> asyncio.Task[Any]:
@@ -96,7 +84,7 @@ async def test_a_task_cancelled_before_it_begins_sends_nothing() -> None:
 async def test_a_call_cancelled_while_it_waits_leaves_no_trace() -> None:
     gate = threading.Event()
 
-    async with opened(held(gate)) as (lane, server):
+    async with opened(held(gate, doubling)) as (lane, server):
         async with anyio.create_task_group() as outer:
             outer.start_soon(lane.within(None).pause, True)
             await eventually_async(lambda: len(server.calls) == 1)
@@ -119,7 +107,7 @@ async def test_a_call_cancelled_just_as_its_turn_comes() -> None:
     """The answer is there, the loop has not read it, and the next in the queue gives up."""
     gate = threading.Event()
 
-    async with opened(held(gate)) as (lane, server):
+    async with opened(held(gate, doubling)) as (lane, server):
         first = start(lane.within(None).pause(True))
         await eventually_async(lambda: len(server.calls) == 1)
         second = start(lane.rpc.resume(True))

@@ -33,7 +33,17 @@ from aioduco.errors import (
 from aioduco.testing import eventually, no_leaks
 
 from .names import NAME, Names
-from .servers import PATIENCE, Peer, ScriptedServer, black_hole, exception, honest, silent, zero
+from .servers import (
+    PATIENCE,
+    Peer,
+    ScriptedServer,
+    black_hole,
+    exception,
+    held,
+    honest,
+    silent,
+    zero,
+)
 
 #: seconds after which a server that says nothing is given up
 SHORT = 0.1
@@ -645,12 +655,6 @@ def test_a_long_wait_of_the_main_thread_goes_on(monkeypatch: pytest.MonkeyPatch)
             enough.set()
         limit_to(stream, deadline)
 
-    def slow(peer: Peer) -> None:
-        call = peer.take()
-        assert enough.wait(PATIENCE)
-        peer.answer(call)
-        honest(peer)
-
-    with connected(slow) as (connection, _):
+    with connected(held(enough)) as (connection, _):
         monkeypatch.setattr(DeadlineSocket, "_limit_to", counted)
         assert client(connection).get_robot_version() == "3.8"

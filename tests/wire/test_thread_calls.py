@@ -17,7 +17,7 @@ from aioduco.testing import eventually_async
 
 from .lanes import SHORT, Gate, opened
 from .names import NAME, Names
-from .servers import PATIENCE, Peer, ScriptedServer, honest
+from .servers import PATIENCE, Peer, ScriptedServer, held, honest
 
 # From other threads
 
@@ -176,13 +176,7 @@ async def test_a_stop_whose_second_connection_is_refused_has_the_first_answer(
 ) -> None:
     late = threading.Event()
 
-    def tardy(peer: Peer) -> None:
-        call = peer.take()
-        assert late.wait(PATIENCE)
-        peer.answer(call)
-        honest(peer)
-
-    async with opened(honest, tardy, spare=True) as (lane, server):
+    async with opened(honest, held(late), spare=True) as (lane, server):
         server.wait_for(lambda: server.connections == 2)
         server.stop_listening()
         refused = server.connections
