@@ -64,13 +64,20 @@ def struct(cls: Any, values: dict[str, Any]) -> Any:
     return made((_STRUCT, [cls]), values)
 
 
+def names(struct: Any) -> list[str]:
+    """The fields of a struct, whichever of the two libraries made it."""
+    spec = type(struct).thrift_spec
+    if isinstance(spec, dict):
+        return [field[1] for field in spec.values()]
+    return [field[2] for field in spec if field]
+
+
 def plain(value: Any) -> Any:
     """A value with its structs as dictionaries."""
-    if isinstance(value, list):
+    if isinstance(value, (list, tuple)):
         return [plain(one) for one in value]
     if hasattr(value, "thrift_spec"):
-        names = [field[2] for field in value.thrift_spec if field]
-        return {name: plain(getattr(value, name)) for name in names}
+        return {name: plain(getattr(value, name)) for name in names(value)}
     return value
 
 
@@ -86,7 +93,7 @@ class PythonClient:
         thrift = importlib.import_module("thrift.Thrift")
         code = module(service)
         sent = struct(getattr(code, f"{name}_args"), args)
-        fields = [field[2] for field in type(sent).thrift_spec if field]
+        fields = names(sent)
         try:
             self._open()
             method = getattr(code.Client(self._protocol), name)

@@ -16,26 +16,10 @@ import aioduco
 from aioduco._wire import codec, idl
 from aioduco.supervision.command import MotionCommand
 
+from .clients import names, plain
 from .conftest import Generated
 
 pytestmark = [pytest.mark.interop, pytest.mark.slow]
-
-
-def names(struct: Any) -> list[str]:
-    """The fields of a struct, whichever of the two libraries made it."""
-    spec = type(struct).thrift_spec
-    if isinstance(spec, dict):
-        return [field[1] for field in spec.values()]
-    return [field[2] for field in spec if field]
-
-
-def plain(value: Any) -> Any:
-    """A value with its structs as dictionaries."""
-    if isinstance(value, (list, tuple)):
-        return [plain(one) for one in value]
-    if hasattr(value, "thrift_spec"):
-        return {name: plain(getattr(value, name)) for name in names(value)}
-    return value
 
 
 def theirs(value: Any, generated: Generated) -> Any:
