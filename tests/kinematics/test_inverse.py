@@ -353,15 +353,20 @@ def test_a_wrist_that_a_folded_arm_reaches_is_not_out_of_reach(folded: float) ->
     assert shortfall(FIVE.geometry, FIVE.fkine([0.3, -0.4, folded, 0.2, -1.0, 0.5])) == 0.0
 
 
+def calibrated(size: float) -> list[Arm]:
+    """Arms whose lengths and angles are off by some `size` [m, rad]."""
+    random = np.random.default_rng(5)
+    sets = [random.normal(0.0, size, (4, 6)).tolist() for _ in range(8)]
+    known = [DhCorrections(*map(tuple, columns)) for columns in sets]
+    lengths = [FIVE.geometry._replace(corrections=each) for each in known]
+    return [dataclasses.replace(FIVE, geometry=each) for each in lengths]
+
+
 @for_each("joint3", [-0.1, 0.06, 1.2])
 def test_a_stretched_calibrated_arm_is_reached_where_its_lengths_alone_are_too_short(
     joint3: float,
 ) -> None:
-    random = np.random.default_rng(5)
-    for _ in range(8):
-        columns = random.normal(0.0, 1e-3, (4, 6)).tolist()
-        corrections = DhCorrections(*map(tuple, columns))
-        known = dataclasses.replace(FIVE, geometry=FIVE.geometry._replace(corrections=corrections))
+    for known in calibrated(1e-3):
         q = np.array([0.4, 0.3, joint3, 0.5, 0.8, 0.9])
         np.testing.assert_allclose(known.ikine(known.fkine(q), q), q, atol=1e-9)
 
@@ -369,11 +374,7 @@ def test_a_stretched_calibrated_arm_is_reached_where_its_lengths_alone_are_too_s
 @for_each("joint3, joint5", [(1.2, 0.0), (1.2, 1e-7), (0.0, 0.7), (0.0, 0.0)])
 def test_a_calibrated_arm_at_a_singularity_stays_where_it_is(joint3: float, joint5: float) -> None:
     """Steps led to another configuration, radians away, or to none: out of reach, it said."""
-    random = np.random.default_rng(5)
-    for _ in range(8):
-        columns = random.normal(0.0, 5e-4, (4, 6)).tolist()
-        corrections = DhCorrections(*map(tuple, columns))
-        known = dataclasses.replace(FIVE, geometry=FIVE.geometry._replace(corrections=corrections))
+    for known in calibrated(5e-4):
         q = np.array([0.4, 0.3, joint3, 0.5, joint5, 0.9])
         np.testing.assert_allclose(known.ikine(known.fkine(q), q), q, atol=1e-6)
 
