@@ -113,15 +113,11 @@ def test_tolerances_of_speeds_are_those_of_the_joints_that_have_one() -> None:
     assert some.goal_speed == (math.inf, 0.02, *(math.inf,) * 4)
 
 
-@for_each("first, far, taken", [(0, 0.01, True), (0, 0.05, False)])
-def test_a_trajectory_begins_where_the_arm_is(first: float, far: float, taken: bool) -> None:
+def test_a_trajectory_begins_where_the_arm_is() -> None:
     checked = check(goal())
-    actual = [q + far for q in START]
-    if taken:
-        check_start(checked, actual, PROFILE, RULES)
-        return
+    check_start(checked, [q + 0.01 for q in START], PROFILE, RULES)
     with pytest.raises(GoalRefused, match="begins elsewhere") as refused:
-        check_start(checked, actual, PROFILE, RULES)
+        check_start(checked, [q + 0.05 for q in START], PROFILE, RULES)
     assert refused.value.code == ErrorCode.INVALID_GOAL
 
 
