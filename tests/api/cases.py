@@ -19,6 +19,15 @@ from aioduco.supervision.command import MotionCommand
 #: never connected to: for what is refused, or made, before anything is sent
 NOBODY = aioduco.connect("192.0.2.1")
 
+#: states in which a task may have ended without success, and the error of each
+END_ERRORS = {
+    3: aioduco.TaskStopped,
+    5: aioduco.TaskInterrupted,
+    6: aioduco.TaskFailed,
+    7: aioduco.TaskIllegal,
+    8: aioduco.TaskParameterMismatch,
+}
+
 DATA = json.loads((Path(__file__).parents[1] / "data" / "manual-3.8.json").read_text("utf-8"))
 #: the manual's functions, by their names on the wire
 MANUAL: dict[str, dict[str, Any]] = {one["wire"]: one for one in DATA["functions"] if one["wire"]}

@@ -13,6 +13,7 @@ from moments import cancelled_once
 import aioduco
 from aioduco import HeartbeatState, ProgramState, RealtimeMode, RealtimePoint, TaskState
 from aioduco.testing import ApplicationError, Cut, FaultProxy, Place, eventually_async
+from api.cases import END_ERRORS
 from api.desk import Desk
 
 
@@ -48,17 +49,7 @@ async def test_it_lasts_longer_than_a_call_may_take(desk: Desk, motion: Answered
 
 
 @pytest.mark.cases(4)
-@pytest.mark.parametrize(
-    ("answer", "error"),
-    [
-        (3, aioduco.TaskStopped),
-        (5, aioduco.TaskInterrupted),
-        (6, aioduco.TaskFailed),
-        (7, aioduco.TaskIllegal),
-        (8, aioduco.TaskParameterMismatch),
-        (-1, aioduco.Refused),
-    ],
-)
+@pytest.mark.parametrize(("answer", "error"), [*END_ERRORS.items(), (-1, aioduco.Refused)])
 async def test_another_end_is_an_error_that_says_what_the_controller_lists(
     robot: aioduco.Robot, desk: Desk, motion: AnsweredAtItsEnd, answer: int, error: type[Exception]
 ) -> None:

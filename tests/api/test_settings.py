@@ -16,7 +16,7 @@ from aioduco import Joints, Load, Pose
 from aioduco._wire import rpc
 from aioduco.api.kinematics import Reachability
 from aioduco.testing import eventually_async
-from api.cases import Case
+from api.cases import END_ERRORS, Case
 from api.desk import Desk
 from api.motion_cases import HOME, NEAR, OTHER, POSE
 from api.setting_cases import CAPS, DAMP, FORCE, ON, PRESS
@@ -99,14 +99,7 @@ async def test_what_returns_nothing_by_the_manual(robot: aioduco.Robot, desk: De
     for taken in (0, 1, 2, 4, 1000):
         desk.answer("set_load_data", taken)
         await robot.frames.set_load_data(Load(1.0))
-    for code, error in [
-        (-1, aioduco.Refused),
-        (3, aioduco.TaskStopped),
-        (5, aioduco.TaskInterrupted),
-        (6, aioduco.TaskFailed),
-        (7, aioduco.TaskIllegal),
-        (8, aioduco.TaskParameterMismatch),
-    ]:
+    for code, error in [(-1, aioduco.Refused), *END_ERRORS.items()]:
         desk.answer("set_load_data", code)
         with pytest.raises(error):
             await robot.frames.set_load_data(Load(1.0))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 import pytest
+from api.cases import END_ERRORS
 from for_each import for_each
 
 import aioduco
@@ -72,20 +73,10 @@ async def test_an_end_that_is_refused(robot: aioduco.Robot, bench: Bench) -> Non
         await robot.system.shutdown()
 
 
-@for_each(
-    "answer, error",
-    [
-        (3, aioduco.TaskStopped),
-        (5, aioduco.TaskInterrupted),
-        (6, aioduco.TaskFailed),
-        (7, aioduco.TaskIllegal),
-        (8, aioduco.TaskParameterMismatch),
-        (0, aioduco.Refused),
-        (1, aioduco.Refused),
-        (-1, aioduco.Refused),
-        (99, aioduco.Refused),
-    ],
-)
+REFUSED = dict.fromkeys((0, 1, -1, 99), aioduco.Refused)
+
+
+@for_each("answer, error", [*END_ERRORS.items(), *REFUSED.items()])
 def test_end_states_that_are_no_success(answer: int, error: type[Exception]) -> None:
     with pytest.raises(error, match="set_it"):
         check_finished("set_it", answer)
