@@ -95,14 +95,8 @@ CALLS: list[tuple[str, dict[str, Any], dict[str, Any], TaskState]] = [
 
 
 @pytest.fixture(scope="module")
-def sim() -> Iterator[Simulator]:
-    with Simulator(speed=math.inf) as sim:
-        yield sim
-
-
-@pytest.fixture(scope="module")
-def program(sim: Simulator) -> Iterator[Program]:
-    with a_program(sim) as program:
+def program(cell: Simulator) -> Iterator[Program]:
+    with a_program(cell) as program:
         program.bring_up()
         yield program
 
@@ -146,19 +140,19 @@ def test_a_negative_range_is_its_absolute_value(robot: Program, strict: Program)
     assert robot.fc_move(True) == FINE  # at once
 
 
-def test_force_control_needs_an_enabled_arm_and_a_sensor(sim: Simulator, robot: Program) -> None:
+def test_force_control_needs_an_enabled_arm_and_a_sensor(cell: Simulator, robot: Program) -> None:
     assert robot.fc_move(True) == ILLEGAL  # it is off
     assert robot.disable(True) == FINE
     assert robot.ended(robot.fc_start()) == ILLEGAL
     assert robot.enable(True) == FINE
-    sim.cabinet.force_sensor = False
+    cell.cabinet.force_sensor = False
     try:
         assert robot.ended(robot.fc_start()) == TaskState.ERROR
         assert "no force sensor" in robot.get_last_error()[-1]
         assert robot.ended(robot.fc_force_set_value(ON, SIX)) == TaskState.ERROR
         assert robot.fc_get_ft() == robot.get_tcp_force() == robot.get_tcp_force_tool("") == []
     finally:
-        sim.cabinet.force_sensor = True
+        cell.cabinet.force_sensor = True
     assert not robot.fc_mode_is_active()
 
 
