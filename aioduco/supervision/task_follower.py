@@ -518,9 +518,9 @@ class TaskFollower:
         before, self._paused = self._paused, task.life.state is TaskState.PAUSED
         if self._paused and not before and not self._arm.permits.gate.paused:
             _log.warning(
-                "%r waits, though robot.pause() was not called: a person or another program has "
-                "paused it. robot.resume() goes on, as does `aioduco resume`; robot.stop() ends "
-                "it, as does `aioduco stop`",
+                "%r waits, though robot.pause() was not called: a person, another program or the "
+                "controller has paused it. robot.resume() goes on, as does `aioduco resume`; "
+                "robot.stop() ends it, as does `aioduco stop`",
                 task,
             )
 
