@@ -108,7 +108,7 @@ def test_services(domain: Domain, sim: Simulator, node: subprocess.Popen[str]) -
 
 def test_what_is_published(domain: Domain, sim: Simulator, node: subprocess.Popen[str]) -> None:
     before, begun = processor_time(node.pid), time.monotonic()
-    found = domain.last("states", "30")
+    found = domain.last("states", "10")
     share = (processor_time(node.pid) - before) / (time.monotonic() - begun)
     print(f"joint states at {found['rate']:.1f} Hz, {share:.1%} of a core")  # noqa: T201 - figures
     assert found["rising"]
