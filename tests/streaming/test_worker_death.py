@@ -22,7 +22,7 @@ from aioduco.streaming.session import Session
 from aioduco.streaming.shared.options import WorkerOptions
 from aioduco.testing import eventually, eventually_async, no_leaks
 
-from .conftest import HERE, Controller, shared_files
+from .conftest import HERE, Controller, came_to_rest, shared_files
 
 RATE = 500
 ACCELERATION = 5.0
@@ -77,13 +77,18 @@ def started(controller: Controller) -> Iterator[tuple[subprocess.Popen[str], int
 
 
 def decelerated(controller: Controller) -> bool:
-    """Whether what was sent came to rest within the limit of acceleration."""
+    """Whether what was sent came to rest from 0.4 rad/s at the limit of acceleration.
+
+    That takes 40 ticks. Where a busy machine missed some of them, a place is not that of the next
+    tick, and only the way tells how the speed fell.
+    """
     places = np.array(controller.points())[:, 0]
-    steps = np.diff(places)
-    assert np.abs(np.diff(steps)).max() * RATE**2 <= ACCELERATION * (1 + 1e-6)
-    # From 0.4 rad/s at 5 rad/s²: 40 ticks of 2 ms.
-    slowing = np.flatnonzero(steps < steps.max() * 0.99)
-    return bool(steps[-1] == 0 and len(slowing[slowing > 80]) >= 35)
+    asked = (places - HERE[0] - 0.032) / 8e-4  # whole numbers, while the worker follows
+    begin = np.flatnonzero((asked > 0) & (np.abs(asked - asked.round()) > 1e-6))[0] - 1
+    slowing = places[begin : places.argmax() + 1]
+    if len(slowing) > 40:
+        assert np.abs(np.diff(slowing, n=2)).max() * RATE**2 <= ACCELERATION * (1 + 1e-6)
+    return bool(places[-1] == places[-2] and slowing[-1] - slowing[0] > 0.6 * 0.016)
 
 
 @pytest.mark.slow
@@ -166,6 +171,7 @@ async def test_a_worker_told_to_end_by_the_system_decelerates(controller: Contro
 
     with pytest.raises(WorkerFailed, match="by a signal"):
         await program()
+    assert came_to_rest(controller, RATE, ACCELERATION, stream.statistics().missed)
     assert decelerated(controller)
     assert controller.names()[-1] == "stop"
 
