@@ -95,7 +95,6 @@ async def perform_plans(
             console.print(
                 f"{name}: {plan.duration:.2f} s, planned in {planning * 1e3:.0f} ms, "
                 f"{plan.clearance * 1e3:.0f} mm clear, {len(plan.corners)} corners",
-                highlight=False,
             )
 
         await carry_out("home", await planner.plan(await _here(robot), ASIDE, v=V, a=A))
@@ -111,9 +110,7 @@ async def perform_plans(
             board = Pose(0.62 * arm.reach, 0.0, 0.36 * arm.reach, inside.rx, inside.ry, inside.rz)
             await planner.plan(await _here(robot), board)
         except GoalInCollision as error:
-            console.print(
-                f"a goal inside the board is refused: {error}", markup=False, highlight=False
-            )
+            console.print(f"a goal inside the board is refused: {error}")
         here = await _here(robot)
         right = Joints(here.j1 - 2.0 * SIDE, *here[1:])
         around = await planner.plan(here, right, v=V, a=A)
@@ -131,13 +128,13 @@ def save_pictures(plan: Plan, scene: Scene, folder: Path, console: SafeConsole) 
         before, after = scene.pictures([plan.start, plan.end])
         drawn = {"before": before, "plan": plan.picture(scene), "after": after}
     except RenderError as error:
-        console.print(f"no pictures: {error}", highlight=False)
+        console.print(f"no pictures: {error}")
         return
     for name, picture in drawn.items():
         path = folder / f"demo-{name}.png"
         with writing(path), whole_file(path) as file:
             Image.fromarray(picture).save(file, "png", optimize=True)
-        console.print(f"picture: {path}", highlight=False)
+        console.print(f"picture: {path}")
 
 
 async def _here(robot: Robot) -> Joints:

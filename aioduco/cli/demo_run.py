@@ -249,7 +249,7 @@ class Demonstration:
     def note(self, text: str) -> None:
         """Show an event."""
         if self.live is None:
-            self._console.print(text, markup=False, highlight=False, soft_wrap=True)
+            self._console.print(text, soft_wrap=True)
         else:
             self._notes.append(text)
 
@@ -613,11 +613,11 @@ def run(
 
     console.print(shown.table())
     if shown.error:
-        console.print(f"error: {shown.error}", style="bold red", markup=False, highlight=False)
+        console.print(f"error: {shown.error}", style="bold red")
     if plot is not None and shown.samples:
         with writing(plot):
             shown.plot(arm, plot)
-        console.print(f"plot: {plot}", highlight=False)
+        console.print(f"plot: {plot}")
     told = shown.as_json()
     if result is not None:
         write_result(told, result)

@@ -132,7 +132,7 @@ def preflight(
         from aioduco.testing.preflight.html import page  # noqa: PLC0415 - it needs an extra
 
         write_file(html, page(report), errors="replace")
-        console.print(f"page: {html}", highlight=False)
+        console.print(f"page: {html}")
     raise typer.Exit(0 if report.ok else FOUND)
 
 
@@ -143,7 +143,7 @@ def _show(console: SafeConsole, report: PreflightReport) -> None:
     from aioduco.testing.preflight.findings import end_of  # noqa: PLC0415
 
     for finding in report.findings:
-        console.print(str(finding), style="bold red", highlight=False, markup=False, soft_wrap=True)
+        console.print(str(finding), style="bold red", soft_wrap=True)
     table = Table(title="what the program did", title_justify="left")
     for head in ("line", "call", "start [s]", "took [s]", "end"):
         table.add_column(head, justify="right" if "[s]" in head else "left")
@@ -153,16 +153,14 @@ def _show(console: SafeConsole, report: PreflightReport) -> None:
                       end_of(call))  # fmt: skip
     console.print(table)
     for margin in report.margins:
-        console.print(f"smallest margin, {margin}", highlight=False, markup=False)
-    console.print(
-        f"{report.duration:.1f} s of the program, tried in {report.took:.1f} s", highlight=False
-    )
+        console.print(f"smallest margin, {margin}")
+    console.print(f"{report.duration:.1f} s of the program, tried in {report.took:.1f} s")
     if report.ok:
         console.print("nothing was found", style="green")
     else:
         count = len(report.findings)
         told = f"found: {count} {'problem' if count == 1 else 'problems'}, above the table"
-        console.print(told, style="bold red", highlight=False)
+        console.print(told, style="bold red")
 
 
 def _where(place: dict[str, Any]) -> str:
@@ -207,8 +205,8 @@ def _sweep(
                 line = str(finding["line"] or "")
                 table.add_row(str(one.seed), line, finding["kind"], finding["text"])
         console.print(table)
-        console.print("--seed N without --runs repeats one of them", highlight=False)
-    console.print(str(swept), highlight=False)
+        console.print("--seed N without --runs repeats one of them")
+    console.print(str(swept))
     if result is not None:
         write_file(result, json.dumps(swept.as_json(), indent=2) + "\n")
     return bool(swept.failed)

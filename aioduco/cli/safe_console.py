@@ -14,14 +14,14 @@ if TYPE_CHECKING:
 
 
 class SafeConsole(Console):
-    """A console of rich in which no text has control characters or markup; styles are arguments.
+    """A console of rich that takes no markup from texts and colours none; styles are arguments.
 
     Args:
         stderr: whether it writes to the standard error.
     """
 
     def __init__(self, *, stderr: bool = False) -> None:
-        super().__init__(stderr=stderr, markup=False, emoji=False)
+        super().__init__(stderr=stderr, markup=False, emoji=False, highlight=False)
 
     def render(
         self, renderable: RenderableType, options: ConsoleOptions | None = None
