@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import math
 import time
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NoReturn
@@ -49,7 +50,6 @@ if TYPE_CHECKING:
     import signal
     from collections.abc import Callable
 
-    from anyio.abc import TaskStatus
     from numpy.typing import NDArray
 
     from aioduco.cli.addresses import RobotAddress
@@ -233,7 +233,6 @@ class Demonstration:
             self.live = Live(
                 console=console, get_renderable=self._panel, refresh_per_second=12, transient=True
             )
-            self.live.start()
         else:
             kind = "the arm" if look is None else "a simulated arm"
             self.note(f"demo on {kind} {model} at {controller}")
@@ -463,35 +462,34 @@ async def perform(robot: Robot, plan: Choreography, shown: Demonstration) -> sig
     Returns:
         The signal that ended it, after the arm was stopped; None without a signal.
     """
-    work = anyio.CancelScope()
-    told: list[signal.Signals] = []
+    told: signal.Signals | None = None
 
-    async def end_on_signal(*, task_status: TaskStatus[None]) -> None:
-        with receive_signals() as signals:
-            task_status.started()
-            async for number in signals:
-                told.append(number)
-                shown.note("stopping the arm; this needs a moment")
-                work.cancel()
+    async def end_on_signal() -> None:
+        nonlocal told
+        async for number in signals:
+            told = told or number
+            shown.note("stopping the arm; this needs a moment")
+            work.cancel()
 
-    async with anyio.create_task_group() as listening:
-        # This task runs longer than the work, so that a second Ctrl-C does not interrupt the stop.
-        await listening.start(end_on_signal)
-        with work:
-            try:
-                async with robot, anyio.create_task_group() as watching:
-                    await robot.bring_up()
-                    watching.start_soon(shown.watch, robot)
-                    async with shown.gripper(robot) as gripper:
-                        await _pick_and_place(robot, shown, plan, gripper)
-                    watching.cancel_scope.cancel()
-            except* DucoError as group:
-                where = host_port(robot.host, robot.port)
-                shown.error = in_commands(first_error(group), where)
-        listening.cancel_scope.cancel()
+    # Signals are received for longer than the work: a second Ctrl-C does not interrupt the stop.
+    with receive_signals() as signals:
+        async with anyio.create_task_group() as listening:
+            listening.start_soon(end_on_signal)
+            with anyio.CancelScope() as work:
+                try:
+                    async with robot, anyio.create_task_group() as watching:
+                        await robot.bring_up()
+                        watching.start_soon(shown.watch, robot)
+                        async with shown.gripper(robot) as gripper:
+                            await _pick_and_place(robot, shown, plan, gripper)
+                        watching.cancel_scope.cancel()
+                except* DucoError as group:
+                    where = host_port(robot.host, robot.port)
+                    shown.error = in_commands(first_error(group), where)
+            listening.cancel_scope.cancel()
     if work.cancelled_caught:
         shown.error = "interrupted: the arm was stopped, and stands"
-    return told[0] if told else None
+    return told
 
 
 async def _pick_and_place(
@@ -634,11 +632,8 @@ def _performed(
     if clock is not None:  # a simulated arm can hurt nobody: a busy computer may stand still
         options |= {"clock": clock, "heartbeat": 20.0, "loop_stall_limit": 15.0}
     robot = aioduco.connect(host, port, **options)
-    try:
+    with shown.live or nullcontext():
         return anyio.run(perform, robot, plan, shown)
-    finally:
-        if shown.live is not None:
-            shown.live.stop()
 
 
 def _warning(address: RobotAddress, model: str, plan: Choreography, found: dict[str, Any]) -> str:
