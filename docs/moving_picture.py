@@ -83,7 +83,7 @@ def main() -> None:
     """Let it happen, then draw it."""
     path = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent / "images/moving.gif"
     arm = arm_of("gcr5_910")
-    plan = Choreography.for_reach(arm.reach, careful=False)
+    plan = Choreography(arm.reach, careful=False)
     camera = Camera(
         target=(0.35, 0.1, 0.28), distance=1.5, azimuth=math.radians(160.0),
         elevation=math.radians(-20.0),

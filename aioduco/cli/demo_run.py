@@ -86,9 +86,12 @@ _GHOSTS = 7  # number of arms that are drawn along the way
 _STYLES = {Outcome.FINISHED: "green", Outcome.BLENDED: "cyan", Outcome.STOPPED: "yellow"}
 
 
-@dataclass(frozen=True, slots=True)
 class Choreography:
     """Places and speeds of the demonstration.
+
+    Args:
+        reach: how far the arm reaches [m]; all lengths are parts of it.
+        careful: whether to use a quarter of the speeds and accelerations, for a real arm.
 
     Attributes:
         start: joints at the begin and the end of the demonstration [rad].
@@ -102,36 +105,13 @@ class Choreography:
         line_acceleration: acceleration of straight lines [m/s²].
     """
 
-    start: Joints
-    aside: Joints
-    width: float
-    depth: float
-    blend: float
-    joint_speed: float
-    joint_acceleration: float
-    line_speed: float
-    line_acceleration: float
-
-    @classmethod
-    def for_reach(cls, reach: float, *, careful: bool) -> Choreography:
-        """Make a plan for an arm.
-
-        Args:
-            reach: how far the arm reaches [m]; all lengths are parts of it.
-            careful: whether to use a quarter of the speeds and accelerations, for a real arm.
-        """
+    def __init__(self, reach: float, *, careful: bool) -> None:
         right, pace = math.pi / 2, 0.25 if careful else 1.0
-        return cls(
-            start=Joints(0.0, 0.0, right, 0.0, -right, 0.0),
-            aside=Joints(1.3, -0.2, right - 0.3, 0.2, -right, 0.6),
-            width=0.25 * reach,
-            depth=0.12 * reach,
-            blend=0.03 * reach,
-            joint_speed=1.2 * pace,
-            joint_acceleration=4.0 * pace,
-            line_speed=0.4 * pace,
-            line_acceleration=1.5 * pace,
-        )
+        self.start: Joints = Joints(0.0, 0.0, right, 0.0, -right, 0.0)
+        self.aside: Joints = Joints(1.3, -0.2, right - 0.3, 0.2, -right, 0.6)
+        self.width, self.depth, self.blend = 0.25 * reach, 0.12 * reach, 0.03 * reach
+        self.joint_speed, self.joint_acceleration = 1.2 * pace, 4.0 * pace
+        self.line_speed, self.line_acceleration = 0.4 * pace, 1.5 * pace
 
 
 def scene(arm: Arm, plan: Choreography) -> list[things.Thing]:
@@ -585,7 +565,7 @@ def run(
     extras.need(*(() if address else ("sim",)), *(() if plot is None else ("plot",)))
     arm = extras.arm(model)
     console = SafeConsole(stderr=result == OUTPUT)
-    plan = Choreography.for_reach(arm.reach, careful=address is not None)
+    plan = Choreography(arm.reach, careful=address is not None)
     if address is not None:
         if not yes:
             found = look(address)
