@@ -103,7 +103,7 @@ class FleetSettings:
 
     def __post_init__(self) -> None:
         _named("name of the fleet", self.name)
-        if self.gateway:
+        if self.gateway != "":
             _named("name of the gateway", self.gateway)
         _typed(self, discover=bool, rate=(int, float), zenoh=str, keys=str)
         try:

@@ -160,6 +160,7 @@ def test_a_report_says_that_the_heartbeat_is_withheld() -> None:
         ({"fleet": {"name": "f", "listen": "tcp/1"}}, "list of texts"),
         ({"fleet": {"name": "f", "connect": [1]}}, "must be a string"),
         ({"fleet": {"name": "f", "rate": 0}}, "0.1 to 100"),
+        ({"fleet": {"name": "f", "gateway": 0}}, "name of the gateway is 0"),
         ({"fleet": {"name": "f", "discover": 1}}, "wrong type"),
         ({"fleet": {"name": "f"}, "arm": [{"name": "left"}]}, "lacks host"),
         ({"fleet": {"name": "f"}, "arm": [ARM, ARM]}, "same name"),
