@@ -296,26 +296,22 @@ class MessageChannels:
         self._set.transforms.log(FrameTransforms(transforms=transforms), log_time=time_ns)
         self.messages += 1
 
-    def _due(self, topic: str, at: float, every: float) -> bool:
-        """Whether a channel was not written for `every` seconds; if so, note it as written now."""
+    def _due(self, topic: str, at: float, every: float, values: Any = None) -> bool:
+        """Whether a channel has other values, or these for `every` seconds; if so, note them."""
         last = self._last.get(topic)
-        if last is not None and at - last[0] < every:
+        if last is not None and at - last[0] < every and last[1] == values:
             return False
-        self._last[topic] = (at, None)
+        self._last[topic] = (at, values)
         return True
 
     def _if_changed(self, topic: str, at: float, values: dict[str, Any]) -> None:
-        last = self._last.get(topic)
-        if last is None or last[1] != values or at - last[0] >= _REPEAT_EVERY:
-            self._last[topic] = (at, values)
+        if self._due(topic, at, _REPEAT_EVERY, values):
             self._json(topic, at, values)
 
     def _fields_if_changed(self, topic: str, at: float, io: IOStatus) -> None:
         """As `_if_changed`, for attributes of a sample; they are rounded only to be written."""
         values = tuple([getattr(io, name) for name in _FIELDS[topic]])
-        last = self._last.get(topic)
-        if last is None or last[1] != values or at - last[0] >= _REPEAT_EVERY:
-            self._last[topic] = (at, values)
+        if self._due(topic, at, _REPEAT_EVERY, values):
             kinds = _FIELDS[topic].items()
             found = {
                 name: value if kind == _FLAGS else _rounded(value, 4)
@@ -357,7 +353,6 @@ class FileChannels(MessageChannels):
         except BaseException:
             self.release()
             raise
-        self._closed = False
         try:
             self.metadata("aioduco", metadata)
         except BaseException:
@@ -374,8 +369,7 @@ class FileChannels(MessageChannels):
 
     def close(self) -> None:
         """End the file."""
-        if not self._closed:
-            self._closed = True
+        if not self._released:
             try:
                 self._writer.close()
             finally:
