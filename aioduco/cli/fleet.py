@@ -14,7 +14,7 @@ import typer
 from aioduco.cli import extras
 from aioduco.cli.described import DescribedCommand
 from aioduco.cli.exit_codes import FAILED, SIGNALLED, STOP_UNCONFIRMED, USAGE, ended_by_errors, fail
-from aioduco.cli.output import OutputFailed, say
+from aioduco.cli.output import OutputFailed, print_json, say
 from aioduco.models.similar import did_you_mean
 
 if TYPE_CHECKING:
@@ -106,7 +106,7 @@ def status(file: File, timeout: Timeout = 3.0, json: Json = False) -> None:
             "gateways": [json_module.loads(report.encode()) for report in view.gateways],
             "missing": view.missing,
         }
-        say(json_module.dumps(table))
+        print_json(table)
     else:
         _show(view)
     if view.missing or not view.gateways:
@@ -206,7 +206,7 @@ def _print(done: FleetStop) -> None:
         "unknown": done.unknown,
         "unproven": done.unproven,
     }
-    say(json_module.dumps(table))
+    print_json(table)
 
 
 def _tell_waiting(known: FleetStop) -> None:

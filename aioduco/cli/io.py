@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from aioduco.cli.addresses import CellFile, HostOption, Port, RobotAddress, robot_at
+from aioduco.cli.addresses import CellFile, HostOption, Port, robot_at
 from aioduco.cli.described import DescribedCommand
 from aioduco.cli.exit_codes import ended_by_errors
 from aioduco.cli.options import WITH_NUMBERS, Yes
@@ -16,10 +16,7 @@ from aioduco.cli.questions import ask
 from aioduco.cli.sessions import observing_session
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from aioduco.models.state import IOStatus
-    from aioduco.sync import Robot
+    from collections.abc import Sequence
 
 
 io: typer.Typer = typer.Typer(
@@ -74,7 +71,8 @@ def read(
     Args:
         json: Print them as JSON.
     """
-    found = _looked(robot_at(host, port, cell), lambda robot: robot.state.getRobotIOStatus())
+    with observing_session(robot_at(host, port, cell)) as robot:
+        found = robot.state.getRobotIOStatus()
     digital = {name: getattr(found, field) for name, field in _DIGITAL.items()}
     analog = {name: getattr(found, field) for name, (field, _) in _ANALOG.items()}
     if json:
@@ -117,12 +115,9 @@ def set_output(
     address, high = robot_at(host, port, cell), level is Level.ON
     which = f"{'tool output' if tool else 'output'} {number}"
     ask(f"{which} at {address} goes {level.value}.", "Switch it?", yes=yes)
-
-    def switch(robot: Robot) -> None:
+    with observing_session(address) as robot:
         section = robot.io
         (section.set_tool_digital_out if tool else section.set_standard_digital_out)(number, high)
-
-    _looked(address, switch)
     say(f"{which} is {level.value}")
 
 
@@ -155,20 +150,12 @@ def set_analog(
     address = robot_at(host, port, cell)
     text = f"{quantity.value} output {number} at {address} goes to {value:g} "
     ask(text + ("V." if voltage else "mA."), "Set it?", yes=yes)
-
-    def put_out(robot: Robot) -> None:
+    with observing_session(address) as robot:
         if voltage:
             robot.io.set_standard_analog_voltage_out(number, value)
         else:
             robot.io.set_standard_analog_current_out(number, value)
-
-    _looked(address, put_out)
     say(f"{quantity.value} output {number} is set")
-
-
-def _looked(address: RobotAddress, work: Callable[[Robot], IOStatus | None]) -> IOStatus | None:
-    with observing_session(address) as robot:
-        return work(robot)
 
 
 def _on(signals: Sequence[bool]) -> str:
