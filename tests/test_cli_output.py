@@ -77,6 +77,14 @@ def test_a_console_draws_no_controls_and_no_markup(
     assert "[link=" in drawn.getvalue()
 
 
+def test_a_console_colours_no_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    console = SafeConsole()
+    console.file = drawn = io.StringIO()
+    console.print("12.5 mm of 'a'")
+    assert drawn.getvalue() == "12.5 mm of 'a'\n"
+
+
 def test_each_command_prints_by_these_functions_alone() -> None:
     """A command that prints by other means would print what a controller sends as it is."""
     others = set()
