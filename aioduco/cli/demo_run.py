@@ -443,6 +443,7 @@ async def perform(robot: Robot, plan: Choreography, shown: Demonstration) -> sig
         The signal that ended it, after the arm was stopped; None without a signal.
     """
     told: signal.Signals | None = None
+    work = anyio.CancelScope()
 
     async def end_on_signal() -> None:
         nonlocal told
@@ -455,7 +456,7 @@ async def perform(robot: Robot, plan: Choreography, shown: Demonstration) -> sig
     with receive_signals() as signals:
         async with anyio.create_task_group() as listening:
             listening.start_soon(end_on_signal)
-            with anyio.CancelScope() as work:
+            with work:
                 try:
                     async with robot, anyio.create_task_group() as watching:
                         await robot.bring_up()
