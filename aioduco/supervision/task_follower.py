@@ -515,8 +515,11 @@ class TaskFollower:
 
     def _note_pause(self, task: Task) -> None:
         """Log, once for each pause, that a motion waits because of somebody else."""
+        gate = self._arm.permits.gate
         before, self._paused = self._paused, task.life.state is TaskState.PAUSED
-        if self._paused and not before and not self._arm.permits.gate.paused:
+        if task._states[-2:] == [TaskState.PAUSED, TaskState.RUNNING] and not gate.stopping:
+            gate.paused = False  # somebody else has resumed what this program had paused
+        if self._paused and not before and not gate.paused:
             _log.warning(
                 "%r waits, though robot.pause() was not called: a person, another program or the "
                 "controller has paused it. robot.resume() goes on, as does `aioduco resume`; "

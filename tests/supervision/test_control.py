@@ -375,3 +375,22 @@ async def test_a_pause_by_the_program_itself_is_not_logged(
     assert reporter.flush()
     assert "PAUSED" in caplog.text
     await robot.stop()
+
+
+async def test_a_pause_by_somebody_else_is_logged_also_where_they_resumed_our_own(
+    robot: aioduco.Robot, bench: Bench, caplog: pytest.LogCaptureFixture
+) -> None:
+    """The program's pause was over then, though the program did not end it."""
+    bench.motion_time = 60.0
+    task = await under_way(bench, robot)
+    await robot.pause()
+    await eventually_async(lambda: task.state is TaskState.PAUSED)
+    bench._resume(True)
+    await eventually_async(lambda: task.state is TaskState.RUNNING)
+    assert reporter.flush()
+    assert "PAUSED" not in caplog.text
+    bench._pause(True)
+    await eventually_async(lambda: task.state is TaskState.PAUSED)
+    assert reporter.flush()
+    assert "PAUSED" in caplog.text
+    await robot.stop()
