@@ -521,9 +521,9 @@ class TaskFollower:
             gate.paused = False  # somebody else has resumed what this program had paused
         if self._paused and not before and not gate.paused:
             _log.warning(
-                "%r waits, though robot.pause() was not called: a person, another program or the "
-                "controller has paused it. robot.resume() goes on, as does `aioduco resume`; "
-                "robot.stop() ends it, as does `aioduco stop`",
+                "%r waits, though robot.pause() was not called: a person, another program or a "
+                "switch of the mode has paused it. robot.resume() goes on, as does `aioduco "
+                "resume`; robot.stop() ends it, as does `aioduco stop`",
                 task,
             )
 

@@ -352,7 +352,7 @@ async def test_a_motion_that_somebody_else_pauses_is_logged_once_each_time(
         bench._resume(True)
         await eventually_async(lambda: task.state is TaskState.RUNNING)
         assert reporter.flush()
-        said = r"movej2 PAUSED> waits, .*pause\(\) .*`aioduco resume`.*robot\.stop\(\)"
+        said = r"PAUSED> waits, .*pause\(\) .*switch of the mode.*aioduco resume.*robot\.stop\(\)"
         return len(re.findall(said, caplog.text))
 
     assert [await paused(), await paused()] == [1, 2]
