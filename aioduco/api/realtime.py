@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from aioduco.supervision.supervisor import Supervisor
 
 
-_ENDING = "end_realtime_mode"
+_ENDING, _EMPTYING = "end_realtime_mode", "clear_realtime_data_queue"
 
 
 class Realtime(Section, RealtimeStreams):
@@ -78,11 +78,12 @@ class Realtime(Section, RealtimeStreams):
     async def end_realtime_mode(self) -> None:
         """End realtime control (结束实时控制模式), and wait until the arm stands.
 
-        If this program's realtime control cannot be ended in this way, or if this is cancelled,
-        the arm is stopped as by `Robot.stop`.
+        If this program has started it, the queue is emptied, too; if it cannot be ended in this
+        way, or if this is cancelled, the arm is stopped as by `Robot.stop`.
 
         Raises:
-            TaskError: the controller did not end it, or it was paused: the arm was stopped.
+            TaskError: the controller did not end it or empty the queue, or it was paused: the arm
+                was stopped.
             StopUnconfirmed: it is not known that the arm stands.
 
         Manual section 1.3.15.
@@ -90,8 +91,14 @@ class Realtime(Section, RealtimeStreams):
         await self._end(_ENDING, self._end_mode)
 
     async def _end_mode(self) -> None:
-        """Call what ends the mode, at once: the error list is not read first."""
+        """Call what ends the mode, at once: the error list is not read first.
+
+        Who starts the mode next would begin with what is left; another program's is left to it.
+        """
+        own = _ENDING in self._supervisor.stop_coordinator.modes
         check_finished(_ENDING, await self._rpc.end_realtime_mode())
+        if own:
+            check_finished(_EMPTYING, await self._rpc.clear_realtime_data_queue())
 
     @asked_at_call
     async def realtime_data_enqueue(self, points: Iterable[RealtimePoint]) -> None:

@@ -3849,11 +3849,12 @@ class Realtime(_Section):
     def end_realtime_mode(self) -> None:
         """End realtime control (结束实时控制模式), and wait until the arm stands.
 
-        If this program's realtime control cannot be ended in this way, or if this is interrupted,
-        the arm is stopped as by `Robot.stop`.
+        If this program has started it, the queue is emptied, too; if it cannot be ended in this
+        way, or if this is interrupted, the arm is stopped as by `Robot.stop`.
 
         Raises:
-            TaskError: the controller did not end it, or it was paused: the arm was stopped.
+            TaskError: the controller did not end it or empty the queue, or it was paused: the arm
+                was stopped.
             StopUnconfirmed: it is not known that the arm stands.
 
         Manual section 1.3.15.

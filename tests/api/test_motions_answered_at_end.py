@@ -207,7 +207,7 @@ async def test_realtime_mode_that_was_ended_leaves_nothing_to_end(
     await robot.realtime.start_realtime_mode(RealtimeMode.TWIST)
     await robot.realtime.end_realtime_mode()
     await robot.aclose()
-    assert realtime.commands == ["start_realtime_mode", "end_realtime_mode"]
+    assert realtime.commands == ["start_realtime_mode", *ENDED]  # nothing is left to the next
 
 
 async def test_realtime_mode_that_was_refused_leaves_nothing_to_end(
