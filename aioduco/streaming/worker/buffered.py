@@ -284,7 +284,8 @@ class RealtimeQueueDriver(Driver):
         if safe and self._errors is not None and self._errors == self._read_errors():
             return self._finish(
                 Reason.STOPPED,
-                f"{text}, and reports no error: another program, or a person, has stopped the arm",
+                f"{text}, and reports no error: another program, or a person, has probably stopped "
+                "the arm",
             )
         return self._refuse(
             f"{text}: the arm was stopped by another program, or an error has ended realtime mode"
