@@ -58,6 +58,23 @@ def test_every_option_and_argument_has_a_help(names: tuple[str, ...]) -> None:
     assert [str(each.name) for each in COMMANDS[names].params if not each.help] == []
 
 
+ADDRESSED = [
+    names
+    for names, command in COMMANDS.items()
+    if any(each.name == "host" and "--host" not in each.opts for each in command.params)
+]
+
+
+@for_each("names", ADDRESSED)
+def test_an_address_that_is_an_argument_may_be_an_option(names: tuple[str, ...]) -> None:
+    """As others have it: an operator who stops an arm has no time to look up which do."""
+    command = COMMANDS[names]
+    needed = [__file__ for each in command.params if each.required]
+    for words in (["left"], ["--host", "left"], ["--host=left"]):
+        context = command.make_context(" ".join(names), [*needed, *words])
+        assert context.params["host"] == "left"
+
+
 def test_a_command_is_made_alone() -> None:
     """To make all of them takes as long as Python to start."""
     for name in vars(get_command(app))["commands"]:

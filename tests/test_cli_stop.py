@@ -56,6 +56,8 @@ def by_typer(monkeypatch: pytest.MonkeyPatch) -> list[PlainStop]:
         ("10.0.0.2:9", "--json"),
         ("[::1]:9",),
         ("::1", "--port", "65535"),
+        ("--host", "left", "--json"),
+        ("--host=10.0.0.2", "--port", "8"),
     ],
     ids=str,
 )
@@ -78,6 +80,11 @@ def test_a_plain_stop_is_understood_as_by_the_command_line(
         (("--port", "70000"), 2),
         (("--port", "x"), 2),
         (("left", "right"), 2),
+        (("left", "--host", "right"), 2),
+        (("--host", "right", "left"), 2),
+        (("--host", "left", "--host", "right"), 2),
+        (("--host",), 2),
+        (("--host", "--json"), 2),
         (("left:",), 2),
     ],
 )

@@ -46,6 +46,10 @@ def plain_stop(words: Sequence[str]) -> PlainStop | None:
             if not (number.isascii() and number.isdigit() and 1 <= int(number) <= 65535):
                 return None
             port = int(number)
+        elif name == "--host" and host is None:
+            host = value if equals else next(rest, "")
+            if not host or host.startswith("-"):
+                return None
         elif word.startswith("-") or host is not None:
             return None
         else:
