@@ -40,7 +40,7 @@ import anyio
 from aioduco._process.reporting import BackgroundLogger
 from aioduco._wire.forks import fork_hooks
 from aioduco._wire.owner_loop import loop_callback
-from aioduco.errors import DucoError
+from aioduco.errors import DucoError, WrongProcess
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Generator
@@ -267,6 +267,10 @@ class DaemonThread:
 
     def __init__(self, name: str) -> None:
         self._inbox: SimpleQueue[Callable[[], None] | None] = SimpleQueue()
+        self._in_forked_child = False
+        #: ends the wait for the present call
+        self._give_up: Callable[[], None] = lambda: None
+        fork_hooks.add(self)
         threading.Thread(target=_serve, args=(self._inbox,), name=name, daemon=True).start()
 
     def __del__(self) -> None:
@@ -284,6 +288,7 @@ class DaemonThread:
 
         Raises:
             What the function raised, or the last cancellation if one came meanwhile.
+            WrongProcess: this is a forked child, which has no such thread.
         """
         over = anyio.Event()
         ring = loop_callback(over.set)
@@ -297,6 +302,18 @@ class DaemonThread:
                 errors.append(exc)  # raised in the task that waits
             ring()
 
+        def give_up() -> None:
+            errors.append(
+                WrongProcess(
+                    "refused, since the robot belongs to the process that forked this one; nothing "
+                    "was sent. Open another one in this process"
+                )
+            )
+            over.set()
+
+        self._give_up = give_up
+        if self._in_forked_child:
+            give_up()
         self._inbox.put(job)
         _, cancelled = await run_to_completion(over.wait)
         if errors:
@@ -304,6 +321,11 @@ class DaemonThread:
                 raise cancelled from errors[0]
             raise errors[0]
         return results[0], cancelled
+
+    def forked(self) -> None:
+        """In a forked child: the thread runs in the parent alone, and so does its call."""
+        self._in_forked_child = True
+        self._give_up()
 
     def end(self) -> None:
         """End the thread after the calls that are queued; no call may follow."""

@@ -11,7 +11,7 @@ import pytest
 
 from aioduco._process.reporting import reporter
 from aioduco._wire.owner_loop import loop_callback
-from aioduco.errors import GuardLost
+from aioduco.errors import GuardLost, WrongProcess
 from aioduco.supervision import concurrency
 from aioduco.supervision.concurrency import BackgroundTasks, DaemonThread
 
@@ -53,6 +53,22 @@ async def test_a_cancellation_that_meets_the_error_of_a_thread_is_not_lost() -> 
     go.set()
     with pytest.raises(asyncio.CancelledError):
         await waiting
+    thread.end()
+
+
+async def test_a_forked_child_does_not_wait_for_a_thread_of_its_parent() -> None:
+    """As one that is forked while a robot is opened, and whose event loop runs on."""
+    begun, go = asyncio.Event(), threading.Event()
+    ring = loop_callback(begun.set)
+    thread = DaemonThread("work")
+    waiting = asyncio.get_running_loop().create_task(thread.run(lambda: (ring(), go.wait())))
+    await begun.wait()
+    thread.forked()
+    with pytest.raises(WrongProcess):
+        await asyncio.wait_for(waiting, 10.0)
+    with pytest.raises(WrongProcess):
+        await asyncio.wait_for(thread.run(go.wait), 10.0)
+    go.set()
     thread.end()
 
 
