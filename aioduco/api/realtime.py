@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 from typing import TYPE_CHECKING
 
 from aioduco._wire.rpc import calls
 from aioduco.api.section import Section, check_finished
 from aioduco.api.streams.realtime import RealtimeStreams
-from aioduco.errors import ParameterError, Refused
+from aioduco.errors import ParameterError, Refused, UnknownFunction
 from aioduco.models import ranges
 from aioduco.models.realtime import RealtimeMode, RealtimePoint
 from aioduco.models.rules import listed
@@ -98,7 +99,8 @@ class Realtime(Section, RealtimeStreams):
         own = _ENDING in self._supervisor.stop_coordinator.modes
         check_finished(_ENDING, await self._rpc.end_realtime_mode())
         if own:
-            check_finished(_EMPTYING, await self._rpc.clear_realtime_data_queue())
+            with contextlib.suppress(UnknownFunction):  # older controllers have no such queue
+                check_finished(_EMPTYING, await self._rpc.clear_realtime_data_queue())
 
     @asked_at_call
     async def realtime_data_enqueue(self, points: Iterable[RealtimePoint]) -> None:

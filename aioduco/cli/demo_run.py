@@ -109,9 +109,13 @@ class Choreography:
         right, pace = math.pi / 2, 0.25 if careful else 1.0
         self.start: Joints = Joints(0.0, 0.0, right, 0.0, -right, 0.0)
         self.aside: Joints = Joints(1.3, -0.2, right - 0.3, 0.2, -right, 0.6)
-        self.width, self.depth, self.blend = 0.25 * reach, 0.12 * reach, 0.03 * reach
-        self.joint_speed, self.joint_acceleration = 1.2 * pace, 4.0 * pace
-        self.line_speed, self.line_acceleration = 0.4 * pace, 1.5 * pace
+        self.width: float = 0.25 * reach
+        self.depth: float = 0.12 * reach
+        self.blend: float = 0.03 * reach
+        self.joint_speed: float = 1.2 * pace
+        self.joint_acceleration: float = 4.0 * pace
+        self.line_speed: float = 0.4 * pace
+        self.line_acceleration: float = 1.5 * pace
 
 
 def scene(arm: Arm, plan: Choreography) -> list[things.Thing]:

@@ -19,6 +19,7 @@ Guarantees:
 
 from __future__ import annotations
 
+import contextlib
 import time
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, TypeAlias
@@ -27,7 +28,13 @@ import anyio
 
 from aioduco._process.reporting import BackgroundLogger
 from aioduco._wire.way_out import EMPTIES
-from aioduco.errors import ControllerError, DucoError, Refused, RobotStateError
+from aioduco.errors import (
+    ControllerError,
+    DucoError,
+    Refused,
+    RobotStateError,
+    UnknownFunction,
+)
 from aioduco.models.enums import TaskState
 
 if TYPE_CHECKING:
@@ -214,7 +221,8 @@ class Modes:
     async def _empty(self, name: str) -> None:
         """Empty the queue of a mode that is off, if it has one."""
         if name in EMPTIES:
-            await self._channel.control(EMPTIES[name], (), _LEAVE_LIMIT)
+            with contextlib.suppress(UnknownFunction):  # older controllers have no such queue
+                await self._channel.control(EMPTIES[name], (), _LEAVE_LIMIT)
 
     async def end_force_control(
         self, timeout: float, follow: Callable[[str, int, float], Awaitable[object]]

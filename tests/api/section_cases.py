@@ -123,7 +123,7 @@ CASES = [
         {"mode": RealtimeMode.TWIST, "filter_bandwidth": 50.0, "com_lost_time": 0.04},
         *(4, 50.0, 0.04),
     ),
-    call("realtime", "end_realtime_mode", {}),
+    call("realtime", "end_realtime_mode", {}, also={"clear_realtime_data_queue": 4}),
     call(
         *("realtime", "realtime_data_enqueue", {"points": [RealtimePoint.twist(OFFSET)]}),
         [rpc.RealTimeControlData(cart_vel_tool_wobj_cmd=OFFSET, status=True)],

@@ -12,6 +12,7 @@ from moments import cancelled_once
 
 import aioduco
 from aioduco import HeartbeatState, ProgramState, RealtimeMode, RealtimePoint, TaskState
+from aioduco._process.reporting import reporter
 from aioduco.testing import ApplicationError, Cut, FaultProxy, Place, eventually_async
 from api.cases import END_ERRORS
 from api.desk import Desk
@@ -208,6 +209,21 @@ async def test_realtime_mode_that_was_ended_leaves_nothing_to_end(
     await robot.realtime.end_realtime_mode()
     await robot.aclose()
     assert realtime.commands == ["start_realtime_mode", *ENDED]  # nothing is left to the next
+
+
+@pytest.mark.parametrize("by", ["end", "stop"])
+async def test_an_older_controller_has_no_queue_to_empty(
+    realtime: Desk, caplog: pytest.LogCaptureFixture, by: str
+) -> None:
+    with FaultProxy(realtime.host, realtime.port) as proxy:
+        proxy.on(ENDED[1], ApplicationError(1, "Invalid method name"), times=None)
+        async with aioduco.connect(proxy.host, proxy.port) as robot:
+            await robot.realtime.start_realtime_mode(RealtimeMode.TWIST)
+            await (robot.realtime.end_realtime_mode() if by == "end" else robot.stop())
+        assert len(proxy.calls(ENDED[0])) == len(proxy.calls(ENDED[1])) == 1
+    assert ("stop" in realtime.commands) is (by == "stop")
+    assert reporter.flush()
+    assert not caplog.text
 
 
 async def test_realtime_mode_that_was_refused_leaves_nothing_to_end(
